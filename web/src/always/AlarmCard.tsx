@@ -7,6 +7,7 @@ import { Status } from "../widgets/Status";
 import { Answers } from "./Answers";
 import { MOODS } from "./severity";
 import { type Alarm, useAcknowledge } from "./useAlarms";
+import { ServerText } from "../goal/ServerText";
 
 /** One alarm: severity, text, time, acknowledgement, and the possible actions. */
 export function AlarmCard({ alarm }: { alarm: Alarm }) {
@@ -21,7 +22,9 @@ export function AlarmCard({ alarm }: { alarm: Alarm }) {
             <Moment at={alarm.until} />
           </Text>
         </Group>
-        <Text size="sm">{alarm.text}</Text>
+        <Text size="sm">
+          <ServerText text={alarm.text} />
+        </Text>
         <Acts alarm={alarm} />
       </Stack>
     </Paper>

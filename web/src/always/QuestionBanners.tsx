@@ -5,6 +5,7 @@ import { Answers } from "./Answers";
 import { Banner } from "./Banner";
 import { useDialogs } from "./dialogs";
 import { type Alarm, useAlarms } from "./useAlarms";
+import { ServerText } from "../goal/ServerText";
 
 const SHOWN = 2;
 
@@ -33,7 +34,7 @@ function QuestionBanner({ alarm }: { alarm: Alarm }) {
   const title = alarm.kind === "job" ? t("question.job") : t("question.robot");
   return (
     <Banner tone="orange" icon={IconQuestionMark} title={title} actions={<Answers alarm={alarm} />}>
-      {alarm.text}{" "}
+      <ServerText text={alarm.text} />{" "}
       {alarm.job && (
         <Anchor size="sm" c="inherit" underline="always" href={`#/task/${encodeURIComponent(alarm.job)}`}>
           {t("question.look", { job: alarm.job })}

@@ -44,5 +44,5 @@ test("the pace that is reached is shown where it is not the wanted one", () => {
     now.mockReturnValue(at);
     act(() => useStation.getState().take(state(time)));
   }
-  expect(screen.getByRole("timer").textContent).toBe("0:10 × 0.1 instead of × 1");
+  expect(screen.getByRole("timer").textContent).toBe("0:10 simulated × 0.1 instead of × 1");
 });

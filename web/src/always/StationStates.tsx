@@ -11,18 +11,19 @@ import { clock, movingRobots, rounded } from "./stationTexts";
 
 const SLOW = 0.9; // below this part of its pace the simulation is slow
 
-/** Simulated time of the station, and its pace: the one measured where the wanted one is not reached. */
+/** Simulated time of the station, and its pace: also the one measured, where that is another one. */
 export function StationClock() {
   const { t } = useTranslation("always");
   const seconds = useStation(({ state }) => (state === null ? null : Math.floor(state.time)));
   const pace = useStation(({ state }) => state?.pace);
   const rate = useStation(({ rate: measured }) => (measured === null ? null : rounded(measured)));
   if (seconds === null) return null;
-  const wanted = pace === null ? t("clock.free") : t("clock.pace", { pace });
   const slow = rate !== null && pace != null && rate < SLOW * pace;
+  const reached = rate !== null && (slow || pace === null) ? t("clock.pace", { pace: rate }) : "";
+  const wanted = pace === null ? t("clock.free") : t("clock.pace", { pace });
   return (
     <Text size="sm" component="span" role="timer" aria-label={t("clock.label")} title={t("clock.label")}>
-      {clock(seconds)} {slow ? t("clock.slow", { rate, pace }) : wanted}
+      {t("clock.simulated", { time: clock(seconds) })} {reached} {slow ? t("clock.instead", { wanted }) : wanted}
     </Text>
   );
 }

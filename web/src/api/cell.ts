@@ -2,6 +2,7 @@
 
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
+import { byName } from "../widgets/names";
 import { answer, api, type Schema } from "./client";
 import { keys } from "./keys";
 
@@ -10,10 +11,13 @@ export type RobotInfo = Schema<"RobotInfo">;
 /** Skills by name. */
 export type Skills = ReadonlyMap<string, Schema<"SkillInfo">>;
 
+const byId = (one: { id: string }, other: { id: string }) => byName(one.id, other.id);
+
 export function useRobots() {
   return useQuery({
     queryKey: keys.robots("all"),
-    queryFn: async () => (await answer(api.GET("/api/v1/robots"))) as RobotInfo[], // tuples lose their length there
+    // Tuples lose their length there.
+    queryFn: async () => ((await answer(api.GET("/api/v1/robots"))) as RobotInfo[]).sort(byId),
   });
 }
 
@@ -21,7 +25,7 @@ export function useRobots() {
 export function useDevices(interval: number | false = false) {
   return useQuery({
     queryKey: keys.robots("devices"),
-    queryFn: async () => (await answer(api.GET("/api/v1/devices"))) as Device[],
+    queryFn: async () => ((await answer(api.GET("/api/v1/devices"))) as Device[]).sort(byId),
     refetchInterval: interval,
   });
 }

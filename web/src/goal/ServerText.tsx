@@ -1,24 +1,42 @@
 import { Fragment } from "react";
+import { useTranslation } from "react-i18next";
 import { useLiveView } from "../scene3d/view";
 import { ElementName } from "../widgets/ElementName";
 import { useClassLabels } from "../widgets/names";
 import { namedIn } from "./causes";
+import { readRow } from "./goals";
+import { RowText } from "./RowText";
+import { useWords } from "./words";
 
 interface Props {
   text: string;
   /** Names that the text may mention: classes, and elements that are not visible anywhere. */
   named?: readonly string[];
+  /** Its names are not clickable, since it is part of a clickable element. */
+  plain?: boolean;
 }
 
 const NONE: readonly string[] = [];
+const CAMEL = /\b[a-z]+(?:[A-Z][a-z]+|A)+\b/g; // names of relations and properties: heldBy, hasA
 
-/** A sentence by the server, with elements and classes replaced by clickable labels. */
-export function ServerText({ text, named = NONE }: Props) {
+/** A sentence by the server: elements and classes as clickable labels, conditions and relations in words. */
+export function ServerText({ text, named = NONE, plain = false }: Props) {
+  const { t } = useTranslation();
+  const terms: Record<string, string> = t("terms", { returnObjects: true });
+  const { words } = useWords();
   const classes = useClassLabels();
   const elements = useLiveView(({ view }) => view?.elements);
-  return namedIn(text, named, (word) => elements?.has(word) ?? false).map((piece, index) => {
-    if ("text" in piece) return <Fragment key={index}>{piece.text}</Fragment>;
+  const isElement = (word: string) => elements?.has(word) ?? false;
+  const isCondition = (word: string) => words.some(({ name }) => name === word);
+  return namedIn(text, named, isElement, isCondition).map((piece, index) => {
+    if ("text" in piece)
+      return <Fragment key={index}>{piece.text.replaceAll(CAMEL, (term) => terms[term] ?? term)}</Fragment>;
+    if ("condition" in piece) return <RowText key={index} row={readRow(piece.condition)} plain={plain} />;
     const class_ = classes.get(piece.name);
-    return class_ === undefined ? <ElementName key={index} id={piece.name} /> : <em key={index}>{class_}</em>;
+    return class_ === undefined ? (
+      <ElementName key={index} id={piece.name} plain={plain} />
+    ) : (
+      <em key={index}>{class_}</em>
+    );
   });
 }

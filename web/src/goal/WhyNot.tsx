@@ -6,6 +6,7 @@ import type { CheckedCondition, GoalOrder } from "./goals";
 import type { Preview } from "./preview";
 import { Reason } from "./Reason";
 import { RepairCard } from "./RepairCard";
+import { ServerText } from "./ServerText";
 
 interface Props {
   preview: Preview;
@@ -33,7 +34,7 @@ export function WhyNot({ preview, conditions, again }: Props) {
           {preview.causes.length === 0 &&
             preview.reasons.map((reason) => (
               <Text key={reason} size="sm">
-                {reason}
+                <ServerText text={reason} />
               </Text>
             ))}
         </Stack>

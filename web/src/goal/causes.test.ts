@@ -8,6 +8,14 @@ test("names in a sentence are found, classes without prefix, but not inside othe
     { name: "kitting:Starter" },
     { text: ", not kit_1_ab." },
   ]);
+  const isHolding = (word: string) => word === "Holding";
+  expect(namedIn("not Holding(g_1, kit_1_a) (yet), but kit_1_a(x)", [], isElement, isHolding)).toEqual([
+    { text: "not " },
+    { condition: "Holding(g_1, kit_1_a)" },
+    { text: " (yet), but " },
+    { name: "kit_1_a" },
+    { text: "(x)" },
+  ]);
   expect(namedIn("nobody can", [], isElement)).toEqual([{ text: "nobody can" }]);
   expect(namedIn("", ["a"], isElement)).toEqual([]);
 });

@@ -47,26 +47,34 @@ function textsOf(value: unknown): string[] {
 }
 
 /** The names in a sentence, and the text between them. */
-export type Piece = { text: string } | { name: string };
+export type Piece = { text: string } | { name: string } | { condition: string };
 
-const WORD = /[\p{L}\p{N}_#]+(?:[.-][\p{L}\p{N}_#]+)*/gu;
+const WORD = /[\p{L}\p{N}_#]+(?:[.-][\p{L}\p{N}_#]+)*(?:\([^()]*\))?/gu;
 
 /**
- * Splits a sentence at the names in it: ids, and classes without prefix.
+ * Splits a sentence at the names in it: ids, classes without prefix, and conditions, "Holding(gripper_1, starter_1)".
  *
  * @param names - The names to look for.
  * @param isElement - Whether any other word is an id.
+ * @param isCondition - Whether a word before brackets is a condition.
  */
-export function namedIn(sentence: string, names: readonly string[], isElement: (word: string) => boolean): Piece[] {
+export function namedIn(
+  sentence: string,
+  names: readonly string[],
+  isElement: (word: string) => boolean,
+  isCondition: (word: string) => boolean = () => false,
+): Piece[] {
   const known = new Map(names.map((name) => [name.slice(name.lastIndexOf(":") + 1), name]));
   const pieces: Piece[] = [];
   let end = 0;
   for (const { 0: word, index } of sentence.matchAll(WORD)) {
-    const name = known.get(word) ?? (isElement(word) ? word : undefined);
-    if (name === undefined) continue;
+    const [bare = ""] = word.split("(");
+    const name = known.get(bare) ?? (isElement(bare) ? bare : undefined);
+    const piece = bare !== word && isCondition(bare) ? { condition: word } : name === undefined ? null : { name };
+    if (piece === null) continue;
     if (index > end) pieces.push({ text: sentence.slice(end, index) });
-    pieces.push({ name });
-    end = index + word.length;
+    pieces.push(piece);
+    end = index + ("name" in piece ? bare : word).length;
   }
   return end < sentence.length ? [...pieces, { text: sentence.slice(end) }] : pieces;
 }

@@ -19,8 +19,13 @@ export function stepPieces(
   sentences: Readonly<Record<string, string>>,
   parameters: readonly Parameter[] = [],
 ): StepPiece[] {
+  return sentencePieces(step, sentences) ?? plainPieces(step, parameters);
+}
+
+/** Describes a step by its sentence; null if there is none, or an argument of it is missing. */
+export function sentencePieces(step: Step, sentences: Readonly<Record<string, string>>): StepPiece[] | null {
   const sentence = sentences[step.skill];
-  if (sentence === undefined || !isFilled(sentence, step)) return plainPieces(step, parameters);
+  if (sentence === undefined || !isFilled(sentence, step)) return null;
   return sentence
     .split(/(\{\w+\})/)
     .filter((part) => part !== "")

@@ -4,6 +4,7 @@ import i18n from "i18next";
 import { initReactI18next } from "react-i18next";
 import * as de from "./de";
 import * as en from "./en";
+import { isolated } from "./isolated";
 
 export const LANGUAGES = { en: "English", de: "Deutsch" } as const;
 export type Language = keyof typeof LANGUAGES;
@@ -27,7 +28,7 @@ void i18n.use(initReactI18next).init({
   fallbackLng: "en",
   defaultNS: "common",
   resources: { en, de },
-  interpolation: { escapeValue: false }, // React escapes
+  interpolation: { escapeValue: true, escape: isolated }, // React escapes HTML
 });
 
 i18n.on("languageChanged", (language) => {

@@ -1,6 +1,7 @@
 /** Filters the list of modules. */
 
 import type { Summary } from "./queries";
+import { byName } from "../widgets/names";
 
 export interface Filter {
   text: string;
@@ -18,7 +19,7 @@ export function fitting(modules: readonly Summary[], { text, kind, robot }: Filt
     .filter((module) => kind === "all" || module.kind === kind)
     .filter((module) => robot === "" || module.agents.some((place) => place.robot === robot))
     .filter((module) => words.every((word) => spoken(module).includes(word)))
-    .sort((a, b) => rank(a) - rank(b) || a.name.localeCompare(b.name));
+    .sort((a, b) => rank(a) - rank(b) || byName(a.name, b.name));
 }
 
 function spoken({ name, help, agents }: Summary): string {

@@ -18,6 +18,7 @@ import type { Skills } from "../api/cell";
 import { Section } from "./Section";
 import type { Run } from "./trace";
 import { jobMood, span, STEP_MOODS, stepState, stepTitle } from "./words";
+import { ServerText } from "../goal/ServerText";
 
 interface Props {
   job: Schema<"Job">;
@@ -105,7 +106,9 @@ function Heads({ job }: { job: Schema<"Job"> }) {
       <Status mood={jobMood(job)} text={jobState(t, job)} />
       <JobTimes job={job} />
       {job.reasons.map((reason) => (
-        <Text key={reason}>{reason}</Text>
+        <Text key={reason}>
+          <ServerText text={reason} plain />
+        </Text>
       ))}
     </div>
   );
@@ -124,7 +127,11 @@ function Conditions({ job }: { job: Schema<"Job"> }) {
             </Table.Td>
             <Table.Td>
               <Status mood={reached ? "good" : "bad"} text={t(reached ? "report.reached" : "report.notReached")} />
-              {reason !== "" && <Text size="sm">{reason}</Text>}
+              {reason !== "" && (
+                <Text size="sm">
+                  <ServerText text={reason} />
+                </Text>
+              )}
             </Table.Td>
           </Table.Tr>
         ))}
@@ -183,7 +190,11 @@ function Steps({ run, skills, nothing }: { run: Run; skills: Skills; nothing: st
             <Table.Td>{step.agent}</Table.Td>
             <Table.Td>
               <Status mood={STEP_MOODS[stepState(step)]} text={t(`stepStates.${stepState(step)}`)} />
-              {step.ended !== "ended" && step.ended !== null && <Text size="sm">{step.text}</Text>}
+              {step.ended !== "ended" && step.ended !== null && (
+                <Text size="sm">
+                  <ServerText text={step.text} />
+                </Text>
+              )}
             </Table.Td>
             <Table.Td>{step.end === null ? "…" : span(step.end - step.start)}</Table.Td>
           </Table.Tr>

@@ -23,6 +23,7 @@ import { useSkills } from "../api/cell";
 import { jobMood } from "./words";
 import { JobTimes } from "./JobTimes";
 import { jobState, nothingDone } from "./jobWords";
+import { ServerText } from "../goal/ServerText";
 
 /** One job, present or past. */
 export function JobView({ id }: { id: string }) {
@@ -99,7 +100,7 @@ function Reasons({ job }: { job: Schema<"Job"> }) {
     <Alert color="red" p="xs" title={t("job.reasons")}>
       {job.reasons.map((reason) => (
         <Text key={reason} size="sm">
-          {reason}
+          <ServerText text={reason} />
         </Text>
       ))}
       {job.outcome === "no plan" && <TakeUp goal={job.order.goal} />}

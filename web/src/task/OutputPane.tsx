@@ -7,6 +7,7 @@ import { problemText } from "../widgets/problems";
 import { asCsv } from "./exports";
 import { type OutputRow, useOutput } from "./output";
 import { OutputTable } from "./OutputTable";
+import { byName } from "../widgets/names";
 
 interface Props {
   /** Used in the names of exported files. */
@@ -29,7 +30,7 @@ export function OutputPane({ name, from, to }: Props) {
     () => (all ? rows : rows.filter((row) => (from === null || row.at >= from) && (to === null || row.at <= to))),
     [rows, all, from, to],
   );
-  const agents = [...new Set(inTime.map((row) => row.agent))].filter(Boolean).sort();
+  const agents = [...new Set(inTime.map((row) => row.agent))].filter(Boolean).sort(byName);
   const shown = inTime.filter((row) => (agent === null || row.agent === agent) && matches(row, wanted));
   return (
     <Stack gap="xs" h="100%">

@@ -2,6 +2,7 @@ import { Alert, Group, Text } from "@mantine/core";
 import { Answers } from "../always/Answers";
 import { useAlarms } from "../always/useAlarms";
 import type { Schema } from "../api/client";
+import { ServerText } from "../goal/ServerText";
 
 /** The question that a job asks a person; empty without one. */
 export function Question({ job }: { job: Schema<"Job"> }) {
@@ -10,7 +11,9 @@ export function Question({ job }: { job: Schema<"Job"> }) {
   return (
     <Alert color="orange" p="xs">
       <Group gap="xs" justify="space-between">
-        <Text size="sm">{alarm.text}</Text>
+        <Text size="sm">
+          <ServerText text={alarm.text} />
+        </Text>
         <Answers alarm={alarm} />
       </Group>
     </Alert>

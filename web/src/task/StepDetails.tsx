@@ -6,7 +6,7 @@ import { useReplay } from "../scene3d/replay";
 import { ElementName } from "../widgets/ElementName";
 import { problemText } from "../widgets/problems";
 import { Status } from "../widgets/Status";
-import { editText } from "./edits";
+import { editText } from "../widgets/edits";
 import { useOutput } from "./output";
 import { OutputTable } from "./OutputTable";
 import type { Skills } from "../api/cell";
@@ -14,6 +14,8 @@ import { Section } from "./Section";
 import type { ConditionRow, Run, Step } from "./trace";
 import { messagesOf } from "./tree";
 import { span, STEP_MOODS, stepState, stepTitle } from "./words";
+import { ServerText } from "../goal/ServerText";
+import { shown } from "../modules/runs/changes";
 
 interface Props {
   /** Id of the job, or name of the task. */
@@ -43,12 +45,16 @@ export function StepDetails({ name, step, run, skills, close }: Props) {
         </Group>
         <CloseButton aria-label={t("details.close")} onClick={close} />
       </Group>
-      <Text size="sm">{step.text}</Text>
+      {step.ended !== "ended" && (
+        <Text size="sm">
+          <ServerText text={step.text} />
+        </Text>
+      )}
       <Section title={t("details.inputs")}>
         <Inputs values={step.inputs} parameters={skills.get(step.skill)?.parameters ?? []} />
       </Section>
       <Section title={t("details.conditions")}>
-        <Conditions rows={step.conditions} running={step.end === null} />
+        <Conditions rows={step.conditions} inputs={step.inputs} running={step.end === null} />
       </Section>
       <Section title={t("details.changes")}>
         <Changes numbers={step.changes} />
@@ -88,7 +94,7 @@ function Inputs({ values, parameters }: InputsProps) {
               {key}
             </Table.Th>
             <Table.Td>
-              {typeof value === "string" && elements.has(key) ? <ElementName id={value} /> : plain(value)}
+              {typeof value === "string" && elements.has(key) ? <ElementName id={value} /> : shown(value)}
             </Table.Td>
           </Table.Tr>
         ))}
@@ -97,18 +103,24 @@ function Inputs({ values, parameters }: InputsProps) {
   );
 }
 
-function plain(value: unknown): string {
-  if (value === null || value === undefined) return "–";
-  return typeof value === "string" ? value : JSON.stringify(value);
-}
-
 const KINDS: readonly string[] = ["pre", "hold", "post"];
 
 function isKind(kind: string): kind is "pre" | "hold" | "post" {
   return KINDS.includes(kind);
 }
 
-function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running: boolean }) {
+/** A condition of a skill about the arguments of a step: "Holding(Gripper, Object)" with their ids. */
+export function filled(condition: string, inputs: Step["inputs"]): string {
+  return condition.replaceAll(/(?<=[(,]\s*)\w+(?=\s*[,)])/g, (key) => String(inputs[key] ?? key));
+}
+
+interface ConditionsProps {
+  rows: readonly ConditionRow[];
+  inputs: Step["inputs"];
+  running: boolean;
+}
+
+function Conditions({ rows, inputs, running }: ConditionsProps) {
   const { t } = useTranslation("task");
   if (rows.length === 0) return <Text c="dimmed">{t(running ? "details.later" : "details.noConditions")}</Text>;
   return (
@@ -122,12 +134,14 @@ function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running:
                 {isKind(row.kind) ? t(`details.kinds.${row.kind}`) : row.kind}
               </Badge>
             </Table.Td>
-            <Table.Td>{row.condition}</Table.Td>
+            <Table.Td>
+              <ServerText text={filled(row.condition, inputs)} />
+            </Table.Td>
             <Table.Td>
               <Holds holds={row.holds} />
               {row.why.map((why) => (
                 <Text key={why} size="sm">
-                  {why}
+                  <ServerText text={why} />
                 </Text>
               ))}
             </Table.Td>

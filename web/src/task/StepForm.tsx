@@ -5,6 +5,7 @@ import { argumentFaults, type Arguments, ArgumentsForm } from "../widgets/Argume
 import type { Schema } from "../api/client";
 import type { Skills } from "../api/cell";
 import type { WantedStep } from "./sequences";
+import { byName } from "../widgets/names";
 
 interface Props {
   skills: Skills;
@@ -80,7 +81,7 @@ export function StepForm({ skills, step, label, pending, save, cancel }: Props) 
 }
 
 function robotsOf(skills: Skills): string[] {
-  return [...new Set([...skills.values()].flatMap(({ agents }) => agents.map(({ robot }) => robot)))].sort();
+  return [...new Set([...skills.values()].flatMap(({ agents }) => agents.map(({ robot }) => robot)))].sort(byName);
 }
 
 function agentFor(skill: Skill, robot: string | null): string | undefined {

@@ -7,6 +7,7 @@ import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
+import { useStation } from "../live/station";
 
 const ICONS = {
   pause: IconPlayerPause,
@@ -19,6 +20,7 @@ type Command = keyof typeof ICONS;
 /** Pauses, resumes, steps or stops a task that belongs to no job. */
 export function TaskCommands({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
+  const halted = useStation(({ state }) => Boolean(state?.halted));
   const client = useQueryClient();
   const { mutate, isPending } = useSingleMutation({
     mutationFn: (command: Command) =>
@@ -35,7 +37,7 @@ export function TaskCommands({ task }: { task: Schema<"TaskInfo"> }) {
             key={command}
             operation="command_task"
             variant="default"
-            disabled={isPending}
+            disabled={isPending || (halted && (command === "resume" || command === "step"))}
             leftSection={<Icon size={14} aria-hidden />}
             onClick={() => mutate(command)}
           >

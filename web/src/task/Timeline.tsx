@@ -14,6 +14,7 @@ import type { Run } from "./trace";
 import { useNow } from "./useRun";
 import { useWheelZoom, useZoom, type Zoom, zoomByKey } from "./useZoom";
 import { span } from "./words";
+import { useStation } from "../live/station";
 
 interface Props {
   /** Id of the job, or name of the task. */
@@ -44,7 +45,8 @@ function LiveTimeline(props: Props) {
 function DrawnTimeline({ name, run, skills, paused, nothing, now, chosen, choose }: Props & { now: number }) {
   const { t } = useTranslation("task");
   const layout = layOut(run, skills, now, paused);
-  const zoom = useZoom(layout, now);
+  const rate = useStation(({ rate: measured }) => (measured === null ? null : Number(measured.toPrecision(1))));
+  const zoom = useZoom(layout, layout.readable, run.end === null ? now : null);
   const [table, showTable] = useState(false);
   if (layout.lanes.length === 0) return <Text c="dimmed">{nothing}</Text>;
   return (
@@ -77,12 +79,18 @@ function DrawnTimeline({ name, run, skills, paused, nothing, now, chosen, choose
     </Stack>
   );
 
+  /** How long simulated seconds take a person who waits; empty if that is the same. */
+  function onTheWall(simulated: number): string {
+    if (rate === null || rate === 0 || rate === 1) return "";
+    return t("timeline.wall", { left: span(simulated / rate) });
+  }
+
   function summary({ eta }: TimelineLayout, at: number, say: typeof t): string {
     const took = span(at - run.begun);
     if (run.end !== null) return say("timeline.took", { time: took });
     return eta === null
       ? say("timeline.since", { time: took })
-      : say("timeline.eta", { time: took, left: span(eta - at) });
+      : say("timeline.eta", { time: took, left: span(eta - at), wall: onTheWall(eta - at) });
   }
 }
 

@@ -3,8 +3,9 @@ import { useTranslation } from "react-i18next";
 import type { Mood } from "../widgets/Status";
 import classes from "./Timeline.module.css";
 import type { Bar } from "./timelineLayout";
+import { TOUCH } from "../app/touch";
 
-export const ROW = 20; // px
+export const ROW = TOUCH ? 44 : 20; // px
 const PLAN = 9; // px: plans are thinner than executed steps
 
 const COLORS: Record<Mood, MantineColor> = {
@@ -69,7 +70,7 @@ export function TimelineBar({ bar, x, y, width, chosen, choose }: Props) {
       {!thin && (
         <svg x={x} y={y} width={width} height={height} aria-hidden>
           <text x={5} y={height - 5} className={classes.text}>
-            {`${SIGNS[bar.mood]} ${bar.attempt > 1 ? `${bar.attempt}× ` : ""}${bar.title}`}
+            {fitting(SIGNS[bar.mood], `${bar.attempt > 1 ? `${bar.attempt}× ` : ""}${bar.title}`, width)}
           </text>
         </svg>
       )}
@@ -93,6 +94,17 @@ export function TimelineBar({ bar, x, y, width, chosen, choose }: Props) {
       {drawn}
     </g>
   );
+}
+
+const [PADDING, SIGN, LETTER] = [8, 14, 5.8]; // px
+const FEWEST = 8; // letters that tell something
+
+/** What a bar has room for: its sign with its text, with the beginning of it, or alone. */
+export function fitting(sign: string, text: string, width: number): string {
+  const letters = Math.floor((width - PADDING - SIGN) / LETTER);
+  if (letters >= text.length) return `${sign} ${text}`;
+  if (letters > FEWEST) return `${sign} ${text.slice(0, letters - 1).trimEnd()}…`;
+  return width >= PADDING + SIGN ? sign : "";
 }
 
 function look({ kind, mood }: Bar) {

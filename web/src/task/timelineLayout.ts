@@ -1,5 +1,6 @@
 /** The positions of bars in a timeline: a lane for each subsystem, with rows for plan, attempts and old plans. */
 
+import { byName } from "../widgets/names";
 import type { Mood } from "../widgets/Status";
 import type { Skills } from "../api/cell";
 import { finish, schedule, type Slot, type Span } from "./schedule";
@@ -33,8 +34,11 @@ export interface TimelineLayout extends Span {
   /** Times of replanning [s, run time]. */
   replanned: number[];
   slots: Slot[];
+  /** Length of a part of it whose bars have room for their texts [s]. */
+  readable: number;
 }
 
+const BARS = 5; // side by side
 const SHORTEST = 10; // s, minimum length of a timeline
 
 export function layOut(run: Run, skills: Skills, now: number, paused: boolean): TimelineLayout {
@@ -52,7 +56,13 @@ export function layOut(run: Run, skills: Skills, now: number, paused: boolean): 
     eta,
     replanned: run.plans.slice(1).map((plan) => plan.at),
     slots,
+    readable: Math.max(SHORTEST, BARS * usual(shown.map(({ bar }) => bar.end - bar.start))),
   };
+}
+
+/** The median. */
+function usual(lengths: number[]): number {
+  return lengths.sort((one, other) => one - other)[Math.floor(lengths.length / 2)] ?? 0;
 }
 
 interface Placed {
@@ -141,7 +151,7 @@ function actual(step: Step, state: StepState, attempt: number, title: string, no
 
 /** Arranges bars in lanes and rows: the plan on top, each attempt below the previous one, old plans at the bottom. */
 function lanes(placed: readonly Placed[]): Lane[] {
-  const agents = [...new Set(placed.map(({ agent }) => agent))].sort();
+  const agents = [...new Set(placed.map(({ agent }) => agent))].sort(byName);
   return agents.map((agent) => {
     const bars = placed.filter((one) => one.agent === agent).map(({ bar }) => bar);
     const attempts = Math.max(1, ...bars.filter(isWork).map((bar) => bar.attempt));

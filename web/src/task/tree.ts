@@ -65,13 +65,15 @@ export interface Task {
 /** Draws the task and its steps, each connected to its predecessors. */
 export function taskTree(task: Task, skills: Skills, texts: StateTexts): { nodes: GraphNode[]; edges: GraphEdge[] } {
   const nodes: GraphNode[] = [{ id: "task", title: task.title, state: task.state }];
+  const steps = [...task.others, ...task.slots.map(({ step }) => step)];
+  const several = new Set(steps.map((step) => step.arguments["Robot"])).size > 1;
   const edges: GraphEdge[] = [];
   for (const step of task.others) {
     const state = stepState(step);
     const before = task.others.findLast(({ end }) => end !== null && end <= step.start);
     nodes.push({
       id: `ran ${step.key}`,
-      title: stepTitle(step, skills),
+      title: stepTitle(step, skills, several),
       state: { mood: STEP_MOODS[state], text: texts.step(state) },
     });
     edges.push({ from: before === undefined ? "task" : `ran ${before.key}`, to: `ran ${step.key}` });
@@ -82,7 +84,7 @@ export function taskTree(task: Task, skills: Skills, texts: StateTexts): { nodes
     const text = texts.step(state) + tries;
     nodes.push({
       id: `step ${slot.index}`,
-      title: stepTitle(slot.step, skills),
+      title: stepTitle(slot.step, skills, several),
       state: { mood: STEP_MOODS[state], text },
     });
     const before = reduced(slot, task.slots);

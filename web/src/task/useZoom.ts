@@ -1,11 +1,11 @@
-/** The visible part of a timeline: all of it, a window that follows the present, or a selected range. */
+/** The visible part of a timeline: a window with readable bars that follows the present, a selected range, or all. */
 
 import { useCallback, useEffect, useRef, useState } from "react";
 import type { Span } from "./schedule";
 
 const CLOSEST = 1; // s
 const STEP = 1.5;
-const AHEAD = 0.7; // share of the window before the present
+const AHEAD = 0.5; // share of the window before the present
 
 export interface Zoom extends Span {
   /** Whether the window follows the present. */
@@ -16,16 +16,22 @@ export interface Zoom extends Span {
   follow: (on: boolean) => void;
 }
 
-/** Returns the visible window of the timeline `whole`, with the present at `now` [s]. */
-export function useZoom(whole: Span, now: number): Zoom {
-  const [chosen, choose] = useState<Span | null>(null);
-  const [follows, setFollows] = useState(false);
-  const window_ = windowOf(whole, chosen, follows, now);
+/**
+ * Returns the visible window of the timeline `whole`.
+ *
+ * @param readable - Length of a window whose bars have room for their texts [s]; the first one shown.
+ * @param now - The present [s]; null for ended runs, which are shown from their start.
+ */
+export function useZoom(whole: Span, readable: number, now: number | null): Zoom {
+  const [chosen, choose] = useState<Span | "first" | "whole">("first");
+  const [follows, setFollows] = useState(true);
+  const window_ = windowOf(whole, chosen === "first" ? firstOf(whole, readable) : chosen, follows ? now : null);
   const all = () => {
-    choose(null);
+    choose("whole");
     setFollows(false);
   };
-  const zoom = (factor: number, around = follows ? now : (window_.start + window_.end) / 2) => {
+  const middle = (window_.start + window_.end) / 2;
+  const zoom = (factor: number, around = follows ? (now ?? middle) : middle) => {
     const next = zoomed(window_, factor, around);
     const shown = next.end - next.start;
     if (shown >= whole.end - whole.start) all();
@@ -37,17 +43,23 @@ export function useZoom(whole: Span, now: number): Zoom {
     choose({ start: window_.start + by, end: window_.end + by });
   };
   const follow = (on: boolean) => {
-    choose(on ? { start: now - 30, end: now + 15 } : window_);
+    choose(on ? "first" : window_);
     setFollows(on);
   };
   return { ...window_, follows, zoom, move, all, follow };
 }
 
-function windowOf(whole: Span, chosen: Span | null, follows: boolean, now: number): Span {
-  if (chosen === null) return whole;
-  if (!follows) return chosen;
+function firstOf(whole: Span, readable: number): Span | "whole" {
+  return whole.end - whole.start <= readable ? "whole" : { start: whole.start, end: whole.start + readable };
+}
+
+/** @param around - The present, if the window follows it. */
+export function windowOf(whole: Span, chosen: Span | "whole", around: number | null): Span {
+  if (chosen === "whole") return whole;
+  if (around === null) return chosen;
   const wide = chosen.end - chosen.start;
-  return { start: now - AHEAD * wide, end: now + (1 - AHEAD) * wide };
+  const start = Math.max(whole.start, Math.min(around - AHEAD * wide, whole.end - wide));
+  return { start, end: start + wide };
 }
 
 /** Returns a window narrower by `factor`, in which one time keeps its position. */

@@ -1,7 +1,10 @@
 /** Short texts for steps and states. */
 
-import type { Mood } from "../widgets/Status";
 import type { Schema } from "../api/client";
+import { sentencePieces } from "../goal/steps";
+import i18n from "../i18n";
+import { nameNow } from "../widgets/names";
+import type { Mood } from "../widgets/Status";
 import type { Step } from "./trace";
 import type { Skills } from "../api/cell";
 
@@ -21,8 +24,24 @@ export function stepState(step: Step | undefined): StepState {
   return step.ended ?? "running";
 }
 
-/** "pick starter_1": a skill with its objects; omits devices and parameters for planning. */
-export function stepTitle(step: { skill: string; arguments: Record<string, string> }, skills: Skills): string {
+/**
+ * A step as a sentence, "takes starter_1 from pallet A"; otherwise its skill with its objects, without devices.
+ *
+ * @param whole - Whether the sentence begins with the robot.
+ */
+export function stepTitle(step: Pick<Step, "skill" | "arguments">, skills: Skills, whole = false): string {
+  const robot = step.arguments["Robot"];
+  const pieces = sentencePieces(
+    { ...step, arguments: { Robot: "", ...step.arguments } },
+    i18n.t("goal:steps", { returnObjects: true }),
+  );
+  if (pieces !== null) {
+    const said = pieces.filter((piece) => "text" in piece || (piece.id !== "" && (whole || piece.id !== robot)));
+    return said
+      .map((piece) => ("id" in piece ? nameNow(piece.id) : piece.text))
+      .join("")
+      .trim();
+  }
   const parameters = skills.get(step.skill)?.parameters;
   const about =
     parameters === undefined
@@ -31,7 +50,7 @@ export function stepTitle(step: { skill: string; arguments: Record<string, strin
           .filter(({ kind }) => kind !== "hardware" && kind !== "planning")
           .map(({ key }) => step.arguments[key])
           .filter((value) => value !== undefined);
-  return [step.skill, ...about].join(" ");
+  return [step.skill, ...about.map(nameNow)].join(" ");
 }
 
 const JOB_MOODS: Record<Schema<"StateName">, Mood> = {

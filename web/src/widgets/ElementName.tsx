@@ -21,12 +21,7 @@ export function ElementName({ id, plain = false }: Props) {
         {t("pick.any", { class: class_ ?? id })}
       </Text>
     );
-  if (plain)
-    return (
-      <Text span inherit>
-        {name}
-      </Text>
-    );
+  if (plain) return <bdi>{name}</bdi>;
   return (
     <Anchor
       component="button"
@@ -39,7 +34,7 @@ export function ElementName({ id, plain = false }: Props) {
       onMouseEnter={() => hover(id)}
       onMouseLeave={() => hover(null)}
     >
-      {name}
+      <bdi>{name}</bdi>
     </Anchor>
   );
 }

@@ -3,7 +3,7 @@
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
-import { classesOf, classTree, localName, nameOf } from "./names";
+import { byName, classesOf, classTree, localName, nameOf } from "./names";
 
 export interface Candidate {
   value: string;
@@ -55,7 +55,7 @@ async function found(class_: string, text: string, abstract: boolean) {
     label: nameOf(id, label),
     kind: localName(kind),
   }));
-  return { items: named, more: next !== null };
+  return { items: named.sort((one, other) => byName(one.label, other.label)), more: next !== null };
 }
 
 function candidateOf({ name, label }: { name: string; label: string }): Candidate {

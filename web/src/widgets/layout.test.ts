@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { layOut } from "./Graph";
+import { concerned, layOut, READABLE, viewOf } from "./Graph";
 
 /** A tree: each node has so many children, level by level. */
 function tree(counts: readonly (readonly number[])[]) {
@@ -37,4 +37,32 @@ test.each(TREES)("children are drawn in the order in which they run: %j", (...co
       expect(drawn).toEqual(row);
     }
   }
+});
+
+const PANE = { width: 360, height: 400 };
+
+test.each([12, 120])("of %i nodes in a column, the one in question is in view, with readable text", (count) => {
+  const bounds = { x: 0, y: 0, width: 190, height: count * 96 };
+  for (const at of [0, Math.floor(count / 2), count - 1]) {
+    const { x, y, zoom } = viewOf(bounds, PANE, { x: 95, y: at * 96 + 31 });
+    expect(zoom).toBeGreaterThanOrEqual(READABLE);
+    const [left, top] = [x, zoom * at * 96 + y];
+    expect(left).toBeGreaterThanOrEqual(0);
+    expect(left + zoom * 190).toBeLessThanOrEqual(PANE.width);
+    expect(top).toBeGreaterThanOrEqual(0);
+    expect(top + zoom * 62).toBeLessThanOrEqual(PANE.height);
+  }
+});
+
+test("a graph that fits is shown as a whole, in its own size", () => {
+  expect(viewOf({ x: 0, y: 0, width: 200, height: 300 }, PANE, { x: 0, y: 0 })).toEqual({ x: 80, y: 50, zoom: 1 });
+});
+
+test("looked at is what runs, then what is chosen, then what ran last", () => {
+  const node = (id: string, mood: "good" | "running" | "waiting") => ({ id, title: id, state: { mood, text: mood } });
+  const root = node("task", "running");
+  expect(concerned([root, node("a", "good"), node("b", "running"), node("c", "waiting")], "a")).toEqual(["b"]);
+  expect(concerned([root, node("a", "good"), node("b", "good"), node("c", "waiting")], "a")).toEqual(["a"]);
+  expect(concerned([root, node("a", "good"), node("b", "good"), node("c", "waiting")], null)).toEqual(["b"]);
+  expect(concerned([root, node("a", "waiting")], null)).toEqual(["task"]);
 });

@@ -1,7 +1,7 @@
 /** Values of properties: their kinds, and their notation for people. */
 
 import { numbersOf } from "../scene3d/pose";
-import { localName } from "../widgets/names";
+import { nameNow, spoken } from "../widgets/names";
 
 export type ValueKind = "number" | "integer" | "boolean" | "pose" | "vector" | "json" | "class" | "text";
 
@@ -49,14 +49,15 @@ export function written(value: unknown, words: { yes: string; no: string; none: 
   return String(value);
 }
 
-function poseText(pose: PoseValue): string {
+export function poseText(pose: PoseValue): string {
   const { x, y, z, roll, pitch, yaw } = numbersOf(pose);
   const turn = roll || pitch || yaw ? `; ${roll}, ${pitch}, ${yaw}°` : "";
-  return `${x}, ${y}, ${z} m${turn}${pose.frame ? ` @ ${pose.frame}` : ""}`;
+  return `${x}, ${y}, ${z} m${turn}${pose.frame ? ` @ ${nameNow(pose.frame)}` : ""}`;
 }
 
 function objectText(value: object): string {
-  if ("relation" in value && "place" in value) return `${localName(String(value.relation))} ${String(value.place)}`;
+  if ("relation" in value && "place" in value)
+    return `${spoken(String(value.relation))} ${nameNow(String(value.place))}`;
   return JSON.stringify(value);
 }
 

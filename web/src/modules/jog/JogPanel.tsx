@@ -8,6 +8,7 @@ import { type RobotInfo as Robot, useDevices, useRobots } from "../../api/cell";
 import { JogBar } from "./JogBar";
 import { panelsOf } from "./panels";
 import { useHindrance } from "./useHindrance";
+import { nameOf } from "../../widgets/names";
 
 interface Props {
   /** Id of the robot; undefined for the first one. */
@@ -28,7 +29,7 @@ export function JogPanel({ chosen, show }: Props) {
           m="sm"
           label={t("robot")}
           allowDeselect={false}
-          data={robots.map(({ id, label }) => ({ value: id, label: label || id }))}
+          data={robots.map(({ id, label }) => ({ value: id, label: nameOf(id, label) }))}
           value={robot.id}
           onChange={(id) => id !== null && show("jog", id)}
         />

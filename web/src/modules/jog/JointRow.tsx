@@ -11,6 +11,8 @@ import { DEGREE } from "./steps";
 interface Props {
   robot: string;
   joint: Device["joints"][number];
+  /** The part of its name that tells it from the others. */
+  short: string;
   /** Position of the slider [rad]; undefined while it follows the joint. */
   target: number | undefined;
   /** The last position of the joint at rest [rad]. */
@@ -23,7 +25,7 @@ interface Props {
 const EVERYWHERE = Math.PI;
 
 /** One joint: buttons for steps in both directions, its angle between its limits, and a slider for its target. */
-export function JointRow({ robot, joint, target, rest, setTarget, step, disabled }: Props) {
+export function JointRow({ robot, joint, short, target, rest, setTarget, step, disabled }: Props) {
   const { t } = useTranslation("modules");
   const { name } = joint;
   const [lower, upper] = [joint.lower ?? -EVERYWHERE, joint.upper ?? EVERYWHERE];
@@ -37,9 +39,9 @@ export function JointRow({ robot, joint, target, rest, setTarget, step, disabled
   return (
     <div className={classes.joint} role="group" aria-label={name}>
       <Text size="xs" truncate title={name}>
-        {name}
+        {short}
       </Text>
-      <HoldButton step={step(-1)} name={t("jog.minus", { name })} disabled={disabled} px={8}>
+      <HoldButton step={step(-1)} name={t("jog.minus", { name })} disabled={disabled}>
         <IconMinus size={14} aria-hidden />
       </HoldButton>
       <div className={classes.track}>
@@ -58,7 +60,7 @@ export function JointRow({ robot, joint, target, rest, setTarget, step, disabled
           <div ref={mark} className={classes.now} />
         </div>
       </div>
-      <HoldButton step={step(1)} name={t("jog.plus", { name })} disabled={disabled} px={8}>
+      <HoldButton step={step(1)} name={t("jog.plus", { name })} disabled={disabled}>
         <IconPlus size={14} aria-hidden />
       </HoldButton>
       <Text size="xs" className={classes.live} title={`${inDegrees(lower)} … ${inDegrees(upper)}`}>

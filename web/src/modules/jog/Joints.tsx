@@ -10,6 +10,7 @@ import { useRest } from "./live";
 import { jogger, jog } from "./robotJogger";
 import { DEGREE, JOINT_SIZES, stepsTo } from "./steps";
 import { StepSize } from "./StepSize";
+import { withoutCommon } from "../../widgets/names";
 
 interface Props {
   device: Device;
@@ -23,6 +24,7 @@ export function Joints({ device: { id, joints }, robot, disabled }: Props) {
   const [size, setSize] = useState<number>(JOINT_SIZES[1]);
   const [targets, setTargets] = useState<Readonly<Record<number, number>>>({});
   const names = joints.map(({ name }) => `${robot}/${name}`);
+  const short = withoutCommon(joints.map(({ name }) => name));
   const rest = useRest(names);
   const turn = (deltas: number[]) => jog(id, "jog_joints", { deltas });
   const turnOne = (joint: number, degrees: number) =>
@@ -52,6 +54,7 @@ export function Joints({ device: { id, joints }, robot, disabled }: Props) {
           key={joint.name}
           robot={robot}
           joint={joint}
+          short={short[index] ?? joint.name}
           target={targets[index]}
           rest={rest[index] ?? 0}
           setTarget={(angle) => setTargets({ ...targets, [index]: angle })}

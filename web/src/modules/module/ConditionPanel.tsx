@@ -6,6 +6,8 @@ import { useMay } from "../../api/session";
 import { useStation } from "../../live/station";
 import { problemText } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
+import { ServerText } from "../../goal/ServerText";
+import { filled } from "../../task/StepDetails";
 
 interface Props {
   panel: Schema<"PanelInfo"> | undefined;
@@ -68,13 +70,26 @@ function Findings({ panel }: { panel: Schema<"PanelInfo"> }) {
       )}
       {panel.conditions.length === 0 && <Text size="xs">{t("panel.none")}</Text>}
       {KINDS.map((kind) => (
-        <Rows key={kind} kind={kind} rows={panel.conditions.filter((row) => row.kind === kind)} />
+        <Rows
+          key={kind}
+          kind={kind}
+          rows={panel.conditions.filter((row) => row.kind === kind)}
+          inputs={panel.arguments}
+        />
       ))}
     </>
   );
 }
 
-function Rows({ kind, rows }: { kind: (typeof KINDS)[number]; rows: Schema<"PanelRow">[] }) {
+type Inputs = Schema<"PanelInfo">["arguments"];
+
+interface RowsProps {
+  kind: (typeof KINDS)[number];
+  rows: Schema<"PanelRow">[];
+  inputs: Inputs;
+}
+
+function Rows({ kind, rows, inputs }: RowsProps) {
   const { t } = useTranslation("modules");
   if (rows.length === 0) return null;
   return (
@@ -84,7 +99,7 @@ function Rows({ kind, rows }: { kind: (typeof KINDS)[number]; rows: Schema<"Pane
       </Text>
       <Stack gap={2} component="ul" m={0} p={0} aria-labelledby={`panel-${kind}`} style={{ listStyle: "none" }}>
         {rows.map((row) => (
-          <Row key={row.condition} row={row} />
+          <Row key={row.condition} row={row} inputs={inputs} />
         ))}
       </Stack>
     </div>
@@ -99,7 +114,7 @@ const MARKS = {
 } as const;
 
 /** One condition; a postcondition that does not hold yet is not an error. */
-function Row({ row }: { row: Schema<"PanelRow"> }) {
+function Row({ row, inputs }: { row: Schema<"PanelRow">; inputs: Inputs }) {
   const { t } = useTranslation("modules");
   const verdict = row.holds === null ? "open" : row.holds ? "yes" : row.kind === "post" ? "later" : "no";
   const { icon: Icon, color } = MARKS[verdict];
@@ -114,11 +129,12 @@ function Row({ row }: { row: Schema<"PanelRow"> }) {
       />
       <div>
         <Text size="xs">
-          {row.condition} <Text span inherit c="dimmed">{`(${t(`panel.verdict.${verdict}`)})`}</Text>
+          <ServerText text={filled(row.condition, inputs)} />{" "}
+          <Text span inherit c="dimmed">{`(${t(`panel.verdict.${verdict}`)})`}</Text>
         </Text>
         {row.why.map((line) => (
           <Text key={line} size="xs" c="dimmed">
-            {line.trim()}
+            <ServerText text={line.trim()} />
           </Text>
         ))}
       </div>

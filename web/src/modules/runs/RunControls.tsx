@@ -9,6 +9,7 @@ import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import type { Run } from "../queries";
 import { isOver } from "./states";
+import { useStation } from "../../live/station";
 
 type Command = "pause" | "resume" | "step" | "stop";
 
@@ -28,11 +29,12 @@ export function RunControls({ run }: { run: Run }) {
     onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
     onError: notifyProblem,
   });
+  const halted = useStation(({ state }) => Boolean(state?.halted));
   if (isOver(run)) return null;
   const able: Record<Command, boolean> = {
     pause: run.status === "running",
-    resume: run.status === "paused",
-    step: run.status === "paused",
+    resume: run.status === "paused" && !halted,
+    step: run.status === "paused" && !halted,
     stop: run.status !== "stopping",
   };
   return (

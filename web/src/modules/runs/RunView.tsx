@@ -10,6 +10,7 @@ import { type Run, useRun } from "../queries";
 import { changeLines, shown } from "./changes";
 import { RunControls } from "./RunControls";
 import { isOver, MOODS, successRate } from "./states";
+import { nameNow } from "../../widgets/names";
 
 /** One run: progress, reports, results of its rounds, and changes of the world. */
 export function RunView({ id }: { id: string }) {
@@ -158,7 +159,7 @@ function Changes({ run }: { run: Run }) {
           <Text key={key} size="xs">
             {element && (
               <Anchor component="button" inherit onClick={() => choose(element)}>
-                {element}
+                {nameNow(element)}
               </Anchor>
             )}{" "}
             {text}

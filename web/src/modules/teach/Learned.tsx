@@ -11,6 +11,7 @@ import { queryClient } from "../../api/queries";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import { shown } from "../runs/changes";
+import { nameOf } from "../../widgets/names";
 
 type Lesson = Schema<"Learned">;
 
@@ -43,7 +44,7 @@ function Entry({ lesson, forget }: { lesson: Lesson; forget: () => void }) {
     <Group component="li" justify="space-between" wrap="nowrap" align="start">
       <div>
         <Text size="sm" fw={600}>
-          {lesson.label || lesson.id}
+          {nameOf(lesson.id, lesson.label)}
         </Text>
         <Text size="xs" c="dimmed">
           {lesson.id} · {lesson.about ?? lesson.class}

@@ -1,5 +1,7 @@
 /** Helpers of the query console: position of errors, history, sorting of rows. */
 
+import { byName } from "../../widgets/names";
+
 const REMEMBERED = "skiros-queries";
 const MOST = 20;
 
@@ -37,11 +39,9 @@ export interface Order {
   falling: boolean;
 }
 
-const COLLATOR = new Intl.Collator(undefined, { numeric: true }); // part_2 before part_10
-
 function compared(one: unknown, other: unknown): number {
   if (typeof one === "number" && typeof other === "number") return one - other;
-  return COLLATOR.compare(textOf(one), textOf(other));
+  return byName(textOf(one), textOf(other));
 }
 
 function textOf(value: unknown): string {

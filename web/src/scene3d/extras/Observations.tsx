@@ -14,6 +14,7 @@ import { useDevices } from "../../api/cell";
 import { wake } from "../ticker";
 import { Detections } from "./Detections";
 import { cloudOf, thinned } from "./points";
+import { crowd, useShowings } from "../elements/crowd";
 
 interface Camera {
   id: string;
@@ -25,6 +26,8 @@ interface Camera {
 
 const FEW = 5000; // points, with software rendering: a full cloud would double the frame time
 const LASTS = 20; // s of run time, after which detections may be outdated
+const FRESH = 3; // s of run time, after which detections are shown only where their elements still are
+const NEAR = 0.1; // m
 const REACH = 0.35; // m, length of the pyramid that shows a camera's view
 
 /** The last observation of each camera, for a while: viewpoint, point cloud and detections. */
@@ -53,6 +56,8 @@ function CameraObservation({ camera, palette }: { camera: Camera; palette: Palet
     placeholderData: keepPreviousData,
     gcTime: 0,
   });
+  useShowings(); // where elements are believed to be
+  const fresh = useStation(({ state }) => (state?.time ?? 0) - (observation?.time ?? 0) <= FRESH);
   const old = useStation(({ state }) => (state?.time ?? 0) - (observation?.time ?? 0) > LASTS);
   useEffect(() => wake(), [observation, old]);
   if (observation === undefined || observation.number === 0 || number === 0 || old) return null;
@@ -60,8 +65,22 @@ function CameraObservation({ camera, palette }: { camera: Camera; palette: Palet
     <>
       {clouds && <CloudPoints observation={observation} />}
       {clouds && observation.pose !== null && <Frustum pose={observation.pose} camera={camera} palette={palette} />}
-      {seen && <Detections seen={observation.seen} palette={palette} />}
+      {seen && <Detections seen={fresh ? observation.seen : observation.seen.filter(isThere)} palette={palette} />}
     </>
+  );
+}
+
+const at = new Matrix4();
+
+/** Whether an element of its class is still believed to lie where it was seen. */
+function isThere({ type, pose }: Observation["seen"][number]): boolean {
+  const seen = new Vector3(...pose.position);
+  return [...crowd.items()].some(
+    ({ element: { id, class: class_, held_by } }) =>
+      class_ === type &&
+      held_by === null &&
+      crowd.poseOf(id, at) &&
+      seen.distanceTo(new Vector3().setFromMatrixPosition(at)) < NEAR,
   );
 }
 

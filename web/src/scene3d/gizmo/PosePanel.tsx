@@ -9,6 +9,7 @@ import { PoseEditor } from "./PoseEditor";
 import classes from "./PosePanel.module.css";
 import { useElement, useObstacle } from "./useMovable";
 import type { Mover } from "./useWriter";
+import { nameOf } from "../../widgets/names";
 
 /** The panel of the move tool: its element, its pose as numbers, and buttons to write it. */
 export function PosePanel() {
@@ -49,7 +50,7 @@ function Title({ tool, element, end }: { tool: Mover; element: ViewElement | und
       <Icon size={18} aria-hidden />
       <Text size="sm" fw={600} flex={1} truncate>
         {t(`tool.${tool}`)}
-        {element !== undefined && `: ${element.label || element.id}`}
+        {element !== undefined && `: ${nameOf(element.id, element.label)}`}
       </Text>
       <Tooltip label={t("tool.end")}>
         <ActionIcon size="sm" aria-label={t("tool.end")} onClick={end}>

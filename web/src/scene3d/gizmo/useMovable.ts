@@ -35,13 +35,22 @@ export function useMovable(id: string, wanted: boolean) {
   });
 }
 
-/** Whether there is a simulator, and therefore bodies. */
-export function useSimulates(): boolean {
+function useSimulation() {
   const { data } = useQuery({
     queryKey: keys.station("simulation"),
     queryFn: () => answer(api.GET("/api/v1/simulation")),
   });
-  return data?.simulates ?? false;
+  return data;
+}
+
+/** Whether there is a simulator, and therefore bodies. */
+export function useSimulates(): boolean {
+  return useSimulation()?.simulates ?? false;
+}
+
+/** Whether robots only pretend: their skills assert effects, and they stand where they started. */
+export function usePretends(): boolean {
+  return useSimulation()?.driver === "fake";
 }
 
 const BODIES_EVERY = 500; // ms: the simulator's truth has no events

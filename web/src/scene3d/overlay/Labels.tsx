@@ -10,6 +10,9 @@ import type { View, ViewElement } from "../view";
 import { type FloatingLabel, useFloating } from "./floating";
 import { hold } from "./labelNodes";
 import classes from "./Labels.module.css";
+import { isolated } from "../../i18n/isolated";
+import { nameNow } from "../../widgets/names";
+import { usePretends } from "../gizmo/useMovable";
 
 const MOST = 40; // labels of elements that are not selected
 
@@ -46,6 +49,7 @@ function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   const { id, kind, label, pose, place, held_by } = element;
   const at = kind === "place" && !strong ? "middle" : "top"; // objects on a place must stay visible
   const unsure = pose === null && place !== null && held_by === null;
+  const pretends = usePretends() && kind === "robot";
   return (
     <div
       ref={(node) => hold(node, (into) => pointOf(id, at, into))}
@@ -53,9 +57,10 @@ function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
       data-strong={strong || undefined}
     >
       <span>
-        {label === id || label === "" ? id : label}
+        {isolated(label || id)}
         {strong && label !== id && <small> {id}</small>}
-        {unsure && <small> {t("unsure", { place })}</small>}
+        {pretends && place !== null && <small> {t("believedAt", { place: nameNow(place) })}</small>}
+        {unsure && <small> {t("unsure", { place: nameNow(place) })}</small>}
       </span>
     </div>
   );

@@ -1,6 +1,6 @@
 import { Button, Loader } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
-import { IconAlertTriangle, IconClick, IconHistory } from "@tabler/icons-react";
+import { IconAlertTriangle, IconClick, IconHistory, IconMask } from "@tabler/icons-react";
 import { useIsFetching } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
@@ -10,6 +10,7 @@ import { problemText } from "../../widgets/problems";
 import { useReplay } from "../replay";
 import { useLiveView } from "../view";
 import classes from "./Overlay.module.css";
+import { usePretends } from "../gizmo/useMovable";
 
 const SOON = 700; // ms: faster loading needs no message
 
@@ -20,6 +21,7 @@ export function Notices() {
       <ReplayNotice />
       <PickNotice />
       <ProblemNotice />
+      <PretenceNotice />
       <ModelNotice />
     </div>
   );
@@ -63,6 +65,17 @@ function PickNotice() {
       <Button size="compact-xs" variant="default" onClick={endPick}>
         {t("pick.end")}
       </Button>
+    </div>
+  );
+}
+
+function PretenceNotice() {
+  const { t } = useTranslation("scene3d");
+  if (!usePretends()) return null;
+  return (
+    <div className={classes.notice} role="note">
+      <IconMask size={16} aria-hidden />
+      {t("pretends")}
     </div>
   );
 }

@@ -1,6 +1,7 @@
 import { VisuallyHidden } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { useShownView } from "../useShownView";
+import { nameNow } from "../../widgets/names";
 
 /** The content of the view in words. */
 export function Summary({ id }: { id: string }) {
@@ -9,7 +10,9 @@ export function Summary({ id }: { id: string }) {
   if (view === null) return null;
   const elements = [...view.elements.values()];
   const robots = elements.filter((element) => element.kind === "robot");
-  const said = robots.map(({ id, place }) => (place === null ? id : t("summary.robot", { robot: id, place })));
+  const said = robots.map(({ id, place }) =>
+    place === null ? id : t("summary.robot", { robot: nameNow(id), place: nameNow(place) }),
+  );
   const count = elements.filter((element) => element.shape !== null).length;
   const unsure = elements.filter(
     ({ pose, place, held_by }) => pose === null && place !== null && held_by === null,

@@ -90,7 +90,7 @@ function Names({ nodes }: { nodes: readonly Node[] }) {
   return (
     <List size="sm">
       {nodes.slice(0, FEW).map(({ id, label }) => (
-        <List.Item key={id}>{label === id ? id : `${label} (${id})`}</List.Item>
+        <List.Item key={id}>{nameOf(id, label)}</List.Item>
       ))}
       {nodes.length > FEW && <List.Item>…</List.Item>}
     </List>

@@ -5,9 +5,8 @@ import { useTranslation } from "react-i18next";
 import type { Schema } from "../../api/client";
 import { Moment } from "../../widgets/Moment";
 import { problemText } from "../../widgets/problems";
-import { editLine, isAbout } from "../edits";
-import type { Edit } from "../tree/concerned";
-import { useWords } from "../useWords";
+import { type Edit, editText, isAbout } from "../../widgets/edits";
+import { nameNow } from "../../widgets/names";
 import { UndoButton } from "./UndoButton";
 
 type Change = Schema<"Change">;
@@ -53,7 +52,6 @@ function WriterIcon({ writer }: { writer: string }) {
 
 function One({ change, about }: { change: Change; about: string | undefined }) {
   const { t } = useTranslation("world");
-  const words = useWords();
   const edits = (change.edits as unknown as Edit[]).filter((edit) => about === undefined || isAbout(edit, about));
   return (
     <Stack gap={2}>
@@ -70,7 +68,7 @@ function One({ change, about }: { change: Change; about: string | undefined }) {
       <List size="xs" listStyleType="none" withPadding={false}>
         {edits.slice(0, FEW).map((edit, index) => (
           <List.Item key={index} style={{ overflowWrap: "anywhere" }}>
-            {shortened(editLine(edit, words))}
+            {shortened(editLine(edit))}
           </List.Item>
         ))}
       </List>
@@ -79,6 +77,11 @@ function One({ change, about }: { change: Change; about: string | undefined }) {
       )}
     </Stack>
   );
+}
+
+function editLine(edit: Edit): string {
+  const { element, text } = editText(edit);
+  return `${nameNow(element)} ${text}`;
 }
 
 function shortened(line: string): string {

@@ -3,6 +3,7 @@
 import type { Schema } from "../../api/client";
 import type { Details, Placement } from "../queries";
 import { isPose } from "../values";
+import { byName } from "../../widgets/names";
 
 type Patch = Schema<"ElementPatch">;
 type GivenValue = NonNullable<Patch["properties"]>[string];
@@ -128,5 +129,5 @@ function same(one: unknown, other: unknown): boolean {
 function sorted(value: unknown): unknown {
   if (typeof value !== "object" || value === null || Array.isArray(value)) return value;
   const entries = Object.entries(value).filter(([, one]) => one !== null && one !== undefined);
-  return Object.fromEntries(entries.sort(([a], [b]) => a.localeCompare(b)));
+  return Object.fromEntries(entries.sort(([a], [b]) => byName(a, b)));
 }

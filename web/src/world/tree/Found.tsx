@@ -5,7 +5,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
-import { localName, nameOf } from "../../widgets/names";
+import { byName, localName, nameOf } from "../../widgets/names";
 import { KindIcon } from "../kinds";
 import classes from "./SceneTree.module.css";
 import type { Search } from "./TreeSearch";
@@ -49,7 +49,7 @@ const NONE: string[] = [];
 const ignore = () => undefined;
 
 function flat(items: ReadonlyMap<string, Summary>): TreeSource {
-  const ids = [...items.keys()];
+  const ids = [...items.keys()].sort(byName);
   return {
     children: (id) => (id === "" ? ids : []),
     name: (id) => nameOf(id, items.get(id)?.label ?? id),

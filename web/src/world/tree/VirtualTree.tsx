@@ -13,6 +13,7 @@ import { IconChevronDown, IconChevronRight } from "@tabler/icons-react";
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { type ReactNode, useEffect, useMemo, useRef } from "react";
 import classes from "./VirtualTree.module.css";
+import { TOUCH } from "../../app/touch";
 
 /** The nodes of a tree, by id. */
 export interface TreeSource {
@@ -38,7 +39,7 @@ interface Props {
 }
 
 const ABOVE_ALL = "#tree"; // no element has this id
-const ROW = 26; // px
+const ROW = TOUCH ? 44 : 26; // px
 const INDENT = 16; // px
 const MARGIN = 12; // rows rendered outside of the visible range
 const FEATURES = [syncDataLoaderFeature, selectionFeature, hotkeysCoreFeature, dragAndDropFeature];

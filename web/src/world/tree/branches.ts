@@ -4,6 +4,7 @@ import { create } from "zustand";
 import { answer, api, type Schema, isGone } from "../../api/client";
 import { type EventInfo, onEvent, onReset } from "../../live/events";
 import { useSelection } from "../../selection/selection";
+import { byName } from "../../widgets/names";
 import { notifyProblem } from "../../widgets/problems";
 import { readElement } from "../queries";
 import { type Edit, concerned, removed } from "./concerned";
@@ -28,7 +29,11 @@ const PAGE = 500;
 const DEEPEST = 20;
 
 async function readNode(root: string, depth: number, cursor?: string): Promise<Node> {
-  return answer(api.GET("/api/v1/tree", { params: { query: { root, depth, limit: PAGE, cursor } } }));
+  return inOrder(await answer(api.GET("/api/v1/tree", { params: { query: { root, depth, limit: PAGE, cursor } } })));
+}
+
+function inOrder(node: Node): Node {
+  return { ...node, children: node.children.map(inOrder).sort((one, other) => byName(one.id, other.id)) };
 }
 
 /** Fetches as much of the tree as fits into one answer; the rest is fetched when expanded. */
@@ -61,6 +66,7 @@ export async function readBranch(id: string): Promise<void> {
     children.push(...page.children);
     cursor = page.next ?? undefined;
   } while (cursor !== undefined);
+  children.sort((one, other) => byName(one.id, other.id));
   useBranches.setState(({ branches }) => ({ branches: { ...branches, [id]: children } }));
 }
 
