@@ -119,6 +119,7 @@ _TABLE = {
         /documents/{kind}/{id}/text PUT
         /world/transactions POST
         /world/undo POST
+        /world/redo POST
         /elements POST
         /elements/{element} PATCH DELETE
         /elements/{element}/relations/{relation}/{other} PUT DELETE

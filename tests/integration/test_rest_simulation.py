@@ -128,6 +128,30 @@ def test_a_part_moved_or_removed_by_a_person_is_moved_or_removed_in_the_simulati
 
 
 @pytest.mark.physics
+def test_a_body_is_not_moved_into_another_one_and_the_reason_is_data(fresh: Served) -> None:
+    before = bodies(fresh)["starter_1"].position
+    with httpx2.Client(base_url=f"{fresh.url}/api/v1", timeout=60.0) as http:
+        path = "/simulation/bodies/starter_1/pose"
+        refused = http.put(path, json={"position": [*before[:2], before[2] - 0.05]})
+        checked = http.put(path, params={"check": True}, json={"position": [1.0, 1.0, 1.5]})
+    problem = refused.json()
+    assert (refused.status_code, problem["code"], set(problem["hits"])) == (409, "Collision", {"pallet_a"})
+    assert problem["hits"]["pallet_a"] > 0.01
+    assert checked.status_code == 204
+    assert bodies(fresh)["starter_1"].position == pytest.approx(before, abs=1e-3)
+
+
+@pytest.mark.physics
+def test_a_body_does_not_follow_a_belief_into_another_body_and_an_alarm_says_why(fresh: Served) -> None:
+    before = bodies(fresh)["starter_1"].position
+    write(fresh, lambda tx: tx.set("starter_1", "sk:pose", Pose.of(*before[:2], before[2] - 0.05)))
+    after = bodies(fresh)["starter_1"].position
+
+    assert after == pytest.approx(before, abs=1e-3)
+    assert "starter_1 stays as it is: there it would be inside pallet_a" in stale_alarms(fresh)[0].text
+
+
+@pytest.mark.physics
 def test_labels_and_changes_by_skills_move_no_simulated_body(fresh: Served) -> None:
     before = bodies(fresh)["starter_1"].position
     write(fresh, lambda tx: tx.set("starter_1", "rdfs:label", "the starter"))

@@ -357,6 +357,8 @@ class WorldInfo(Answer):
     """Number of the oldest stored change."""
     undoable: Undoable | None
     """The change that an undo would revert."""
+    redoable: Undoable | None
+    """The undo that a redo would revert."""
 
 
 class Written(Answer):
@@ -371,10 +373,10 @@ class Written(Answer):
 
 
 class UndoOrder(Request):
-    """The change to undo."""
+    """The change to undo, or the undo to revert by a redo."""
 
     change: Version | None = Field(default=None, examples=[17])
-    """Undo only if this change is the next one."""
+    """Only if this change is the next one."""
 
 
 class Learned(Answer):

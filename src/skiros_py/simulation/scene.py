@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,6 +30,7 @@ _PARTS: tuple[Colour, ...] = (
 
 
 _CARRIED_MASS = 2.0  # [kg] of a body without mass that rides on a robot and so cannot be part of the ground
+_TOUCHING = 0.003  # depth of a contact up to which bodies only touch [m]
 _DEVICE_STREAM = 1
 # With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts begin to slip. The two small ones stop
 # parts from spinning between the finger pads and from rolling away for ever.
@@ -161,7 +163,31 @@ class Scene:
             raise UsageError(f"'{body_id}' is bolted to '{body.carrier}' and moves with it only")
         self.engine.move_body(body_id, pose)
 
-    def follow_belief(self, name: str, body: BodySpec | None, *, moved: bool, seed: int) -> None:
+    def hits(self, body_id: str, pose: Pose) -> dict[str, float]:
+        """Returns what a body would be in at a pose in the map, with the depths [m]; nothing is changed.
+
+        Fixed bodies do not collide with each other, as in the engine.
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        self.body(body_id)
+        state = self.engine.save()
+        try:
+            self.engine.move_body(body_id, pose)
+            self.engine.step()
+            contacts = self.engine.contacts(body_id)
+        finally:
+            self.engine.restore(state)
+        depths: dict[str, float] = {}
+        for contact in contacts:
+            if contact.depth > _TOUCHING:
+                depths[contact.other] = max(contact.depth, depths.get(contact.other, 0.0))
+        return depths
+
+    def follow_belief(
+        self, name: str, body: BodySpec | None, *, moved: bool, seed: int, passing: AbstractSet[str] = frozenset()
+    ) -> None:
         """Adds, removes or moves a body, or rebuilds it with another shape or mass, to be as it is believed to be.
 
         Args:
@@ -169,9 +195,10 @@ class Scene:
             body: How it is believed to be; None where it is gone.
             moved: True to put it where it is believed to be; otherwise it stays where it is, or away.
             seed: For a pose that is not stated.
+            passing: Bodies that are moved as well, through which it may pass.
 
         Raises:
-            UsageError: It is bolted to a robot, or shall be: that takes a new session.
+            UsageError: It is bolted to a robot, or shall be: that takes a new session; or it would be inside another.
             DescriptionError: There is no room for it where it shall lie.
         """
         there = self.bodies.get(name)
@@ -194,7 +221,11 @@ class Scene:
             self._bring(body if pose is None else replace(body, pose=pose), seed)
         elif moved:
             others = [(spec, pose) for spec, pose in self._standing() if spec.id != name]
-            self.move(name, free_pose(body, others, seed))
+            pose = free_pose(body, others, seed)
+            hit = sorted(self.hits(name, pose).keys() - passing)
+            if hit:
+                raise UsageError(f"there it would be inside {', '.join(hit)}")
+            self.move(name, pose)
             self.bodies[name] = body
 
     def _bring(self, body: BodySpec, seed: int) -> None:

@@ -57,6 +57,9 @@ class ChangeLog(Protocol):
     def undoable(self) -> Change | None:
         """Returns the last stored change by a user that has not been undone yet, or None."""
 
+    def redoable(self) -> Change | None:
+        """Returns the last undo that was not reverted, if no edit by a user followed it; otherwise None."""
+
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the stored changes after a version that are about any of the subjects, in order.
 
@@ -96,9 +99,18 @@ class MemoryLog:
 
     def undoable(self) -> Change | None:
         """Returns the last change by a user that has not been undone yet, or None."""
-        undone = {change.undoes for change in self._changes}
+        reverted = {change.undoes for change in self._changes}
+        undone = {change.undoes for change in self._changes if change.number not in reverted}
         people = (c for c in reversed(self._changes) if c.writer is Writer.PERSON and c.undoes is None)
         return next((change for change in people if change.number not in undone), None)
+
+    def redoable(self) -> Change | None:
+        """Returns the last undo that was not reverted, if no edit by a user followed it; otherwise None."""
+        reverted = {change.undoes for change in self._changes}
+        people = [change for change in self._changes if change.writer is Writer.PERSON]
+        edits = {change.number for change in people if change.undoes is None}
+        undos = [c for c in people if c.undoes in edits and c.number not in reverted and c.number > max(edits)]
+        return undos[-1] if undos else None
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the changes after a version that are about any of the subjects, in order."""

@@ -1,11 +1,11 @@
-"""Undoing the last edit made by a user."""
+"""Undoing the last edit made by a user, and redoing it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from skiros_py.errors import StaleVersion, WorldError
-from skiros_py.world.change import Change, Writer
+from skiros_py.world.change import Change, SourceEdit, Writer
 from skiros_py.world.past import subjects_of
 from skiros_py.world.world import World
 
@@ -30,18 +30,48 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
     if last is None:
         since = f" since change {world.log.first}, from which on changes are remembered" if world.log.first > 1 else ""
         raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")
-    reason = f"undoes change {last.number}: {last.reason}"
-    with world.transaction(author, reason, writer=Writer.PERSON, undoes=last.number, holder=holder) as tx:
-        _check(last, world.log.about(subjects_of(last), after=last.number))  # no one else can write inside the block
-        tx.apply([edit.inverse() for edit in reversed(last.edits)])
+    return _revert(world, last, f"undoes change {last.number}: {last.reason}", author, holder)
+
+
+def redo(world: World, author: str, *, expects: int | None = None, holder: str = "") -> Change:
+    """Reverts the last undo, as a new change, until a user has made another edit; called again, the undo before it.
+
+    Args:
+        world: The world.
+        author: The author of the redo.
+        expects: Number of the undo that the caller expects to be reverted; None for the last one.
+        holder: The lock holder, if different from the author.
+
+    Raises:
+        StaleVersion: It is no longer the last.
+        WorldError: There is nothing to redo, or later changes depend on it; the text names them.
+    """
+    last = world.log.redoable()
+    if expects is not None and (last is None or last.number != expects):
+        raise StaleVersion(f"undo {expects} is not the one that can be reverted now: look again")
+    if last is None:
+        raise WorldError("there is nothing to redo: nothing was undone since the last edit by a person")
+    if any(isinstance(edit, SourceEdit) for edit in last.edits):
+        raise WorldError("there is nothing to redo: a scene that was taken back is loaded again instead")
+    return _revert(world, last, f"redoes what was undone: {last.reason}", author, holder)
+
+
+def _revert(world: World, change: Change, reason: str, author: str, holder: str) -> Change:
+    with world.transaction(author, reason, writer=Writer.PERSON, undoes=change.number, holder=holder) as tx:
+        # No one else can write inside the block.
+        _check(change, world.log.about(subjects_of(change), after=change.number))
+        tx.apply([edit.inverse() for edit in reversed(change.edits)])
     if tx.change is None:
-        raise WorldError(f"change {last.number} ({last.author}: {last.reason}) has no effect left that could be undone")
+        raise WorldError(
+            f"change {change.number} ({change.author}: {change.reason}) has no effect left that could be undone"
+        )
     return tx.change
 
 
 def _check(change: Change, later: Sequence[Change]) -> None:
     """Refuses if there is a later change of the same things that has not been undone."""
-    undone = {c.undoes for c in later}
+    reverted = {c.undoes for c in later}
+    undone = {c.undoes for c in later if c.number not in reverted}
     if change.number in undone:
         raise WorldError(f"change {change.number} ({change.author}: {change.reason}) was just undone by somebody else")
     standing = [c for c in later if c.undoes is None and c.number not in undone]

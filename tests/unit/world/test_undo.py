@@ -14,7 +14,7 @@ from skiros_py.world.element import Placement
 from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.scene.files import load_scene
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.undo import undo
+from skiros_py.world.undo import redo, undo
 from skiros_py.world.world import World
 
 Edit = Callable[[Transaction], object]
@@ -93,6 +93,56 @@ def test_a_second_undo_reverts_the_previous_edit(case: Case) -> None:
 
     assert case.again().value("ball_1", "sk:mass") is None
     assert "nothing to undo" in case.refusal()
+
+
+def mass(case: Case) -> object:
+    return case.again().value("ball_1", "sk:mass")
+
+
+def test_undone_edits_are_redone_one_by_one_and_can_be_undone_again(case: Case) -> None:
+    case.write(heavier(1.0))
+    case.write(heavier(2.0))
+    case.undo()
+    case.undo()
+
+    redo(case.again(), "bob")
+    assert mass(case) == 1.0
+    redo(case.again(), "bob")
+    assert mass(case) == 2.0
+    with pytest.raises(WorldError, match="nothing to redo"):
+        redo(case.again(), "bob")
+
+    case.undo()
+    assert mass(case) == 1.0
+    redo(case.again(), "bob")
+    assert mass(case) == 2.0
+
+
+def test_a_removed_element_that_was_restored_is_removed_again_by_a_redo(case: Case) -> None:
+    case.write(lambda tx: tx.add("tiny:Box", id="box_c", placement=Placement("sk:on", "floor")))
+    case.undo()
+    redo(case.again(), "bob")
+    assert case.again().has("box_c")
+    case.undo()
+    assert not case.again().has("box_c")
+
+
+def test_after_another_edit_by_a_person_nothing_is_redone(case: Case) -> None:
+    case.write(heavier(1.0))
+    case.undo()
+    case.write(heavier(3.0))
+    with pytest.raises(WorldError, match="nothing to redo"):
+        redo(case.again(), "bob")
+    assert mass(case) == 3.0
+
+
+def test_a_redo_never_overwrites_what_a_skill_has_sensed_since(case: Case) -> None:
+    case.write(heavier(1.0))
+    case.undo()
+    case.write(heavier(5.0), writer=Writer.SKILL)
+    with pytest.raises(WorldError, match="ball_1"):
+        redo(case.again(), "bob")
+    assert mass(case) == 5.0
 
 
 def test_undo_never_reverts_edits_by_skills_jobs_or_the_platform(case: Case) -> None:

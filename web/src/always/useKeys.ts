@@ -7,6 +7,7 @@ import { useDialogs } from "./dialogs";
 import { usePalette } from "./palette";
 import { type Command, commandOf } from "./shortcuts";
 import { stopAll } from "./stopping";
+import { pressed } from "../widgets/history";
 
 /** Handles keyboard shortcuts before any other listener. */
 export function useKeys(): void {
@@ -18,6 +19,7 @@ export function useKeys(): void {
       else if (command === "palette") usePalette.getState().open();
       else if (command === "help") useDialogs.getState().open("help");
       else if (command === "view3d") toggleView3d();
+      else if (command === "undo" || command === "redo") pressed(command);
       else openTab(command.tab);
     };
     const hear = (event: KeyboardEvent) => {
@@ -35,6 +37,7 @@ export function useKeys(): void {
 
 function isWriting(target: EventTarget | null): boolean {
   return (
-    target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName))
+    target instanceof HTMLElement &&
+    (target.isContentEditable || (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) && !target.matches("[readonly]")))
   );
 }

@@ -532,6 +532,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/world/redo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["redo_edit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/view": {
         parameters: {
             query?: never;
@@ -3689,6 +3705,7 @@ export interface components {
             locks: number;
             remembered_from: number;
             undoable: components["schemas"]["Undoable"] | null;
+            redoable: components["schemas"]["Undoable"] | null;
         };
         WorldView: {
             version: number;
@@ -4977,6 +4994,37 @@ export interface operations {
             };
         };
     };
+    redo_edit: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["UndoOrder"] | null;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Change"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     read_view: {
         parameters: {
             query?: {
@@ -5988,7 +6036,9 @@ export interface operations {
     };
     move_body: {
         parameters: {
-            query?: never;
+            query?: {
+                check?: boolean;
+            };
             header?: never;
             path: {
                 element: string;

@@ -15,6 +15,7 @@ import { TemplateChoice } from "./TemplateChoice";
 import { TemplateForm } from "./TemplateForm";
 import { type Template, templateOrder, useTemplates } from "./templates";
 import { useFreshWords } from "./words";
+import { useHistoryKeys, useHistoryOf } from "../widgets/history";
 
 /** The Goal tab: state, check, plan, order and follow a goal. */
 export default function GoalTab() {
@@ -33,6 +34,7 @@ function Goal() {
   const conditions = verdicts.flatMap((verdict) => verdict.conditions);
   useShownGhosts(verdicts);
   useFreshWords();
+  useHistoryKeys(useHistoryOf(useGoals(draft), change));
   return (
     <Stack gap="md">
       <VisuallyHidden>
@@ -62,6 +64,11 @@ function useWanted(draft: Draft) {
   const each = useVerdicts(draft.template ? [] : draft.rows);
   const order = draft.template ? filled : goalOrder(draft.rows);
   return { order, whole, template, verdicts: draft.template ? [whole] : each };
+}
+
+/** The part of the draft that a person edits as the goal; the same object while that is unchanged. */
+function useGoals({ rows, template }: Draft): Pick<Draft, "rows" | "template"> {
+  return useMemo(() => ({ rows, template }), [rows, template]);
 }
 
 function useShownGhosts(verdicts: readonly Verdict[]): void {

@@ -23,7 +23,7 @@ import { useMay } from "../api/session";
 import { Status } from "../widgets/Status";
 import type { Skills } from "../api/cell";
 import { OpenStepForm } from "./OpenStepForm";
-import { fateOf, type Sequence, type Step, type useEdits } from "./sequences";
+import { type Edit, fateOf, type Sequence, type Step, type useEdits } from "./sequences";
 import type { StepForms } from "./stepForms";
 import classes from "./task.module.css";
 import { stepTitle } from "./words";
@@ -46,17 +46,18 @@ export function SequenceSteps(props: Props) {
   );
   const list = useRef<HTMLDivElement>(null);
   const follow = useFocusFollowing(list, sequence.version, pending);
-  const move = (at: number, to: number, by: Mover) => {
-    const following = follow({ at: to, by });
-    edit(
-      { kind: "move", at, to },
-      {
-        onSettled: (_, refusal) => {
-          if (refusal !== null) following.end();
-        },
+  const editAndFollow = (change: Edit, to: { at: number; by: Mover }) => {
+    const following = follow(to);
+    edit(change, {
+      onSettled: (_, refusal) => {
+        if (refusal !== null) following.end();
       },
-    );
+    });
   };
+  const move = (at: number, to: number, by: Mover) => editAndFollow({ kind: "move", at, to }, { at: to, by });
+  // Then the step that is there now has the focus, but not its bin: a second press must not remove it as well.
+  const remove = (at: number) =>
+    editAndFollow({ kind: "remove", at }, { at: Math.min(at, sequence.count - 2), by: "drag" });
   const ids = sequence.steps.map((_, index) => String(index + 1)); // "0" is not a valid id
   const end = ({ active, over }: DragEndEvent) => {
     if (over === null || active.id === over.id) return;
@@ -77,7 +78,7 @@ export function SequenceSteps(props: Props) {
     >
       <SortableContext items={ids} strategy={verticalListSortingStrategy}>
         <Stack gap={4} component="ol" m={0} p={0} aria-label={t("step.list")} ref={list}>
-          <Rows {...props} move={move} />
+          <Rows {...props} move={move} remove={remove} />
         </Stack>
       </SortableContext>
     </DndContext>
@@ -107,8 +108,13 @@ function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number,
   };
 }
 
+interface RowsProps extends Props {
+  move: Move;
+  remove: (at: number) => void;
+}
+
 /** The steps with their open forms; forms of removed steps are at the end. */
-function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: Move }) {
+function Rows({ sequence, skills, pending, edit, forms, move, remove }: RowsProps) {
   const opened = forms.forms.map((form) => ({ form, fate: fateOf(form, sequence) }));
   const formsOf = (index: number | null) =>
     opened.filter(({ fate }) => (fate.fate === "removed" ? null : fate.at) === index);
@@ -141,7 +147,7 @@ function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: 
         changing={own.length > 0}
         remove={() => {
           closeAll();
-          edit({ kind: "remove", at: index });
+          remove(index);
         }}
       />,
       ...own.map(drawn),

@@ -17,6 +17,7 @@ import { SequenceSteps } from "./SequenceSteps";
 import { StepForm } from "./StepForm";
 import { useStepForms } from "./stepForms";
 import { type Skills, useSkills } from "../api/cell";
+import { HistoryButtons } from "../widgets/HistoryButtons";
 
 /** A sequence of steps that a person creates, edits and runs. */
 export default function SequenceView({ id }: { id: string }) {
@@ -30,7 +31,7 @@ export default function SequenceView({ id }: { id: string }) {
 function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
   const { t } = useTranslation("task");
   const forms = useStepForms();
-  const { edit, isPending, conflict, drop } = useEdits(sequence, forms.follow);
+  const { edit, isPending, conflict, drop, history } = useEdits(sequence, forms.follow);
   const title = sequence.title || sequence.id;
   return (
     <Stack gap="sm" component="article" aria-label={t("sequence.label", { title })}>
@@ -39,6 +40,7 @@ function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
           {title}
         </Title>
         <Works sequence={sequence} />
+        <HistoryButtons operation="put_document" {...history} busy={isPending} />
         <Remove sequence={sequence} />
       </Group>
       {conflict !== null && <ConflictAlert conflict={conflict} skills={skills} again={edit} drop={drop} />}

@@ -72,11 +72,13 @@ export type Edit =
   | { kind: "insert"; at: number; step: WantedStep }
   | { kind: "change"; at: number; step: WantedStep }
   | { kind: "remove"; at: number }
-  | { kind: "move"; at: number; to: number };
+  | { kind: "move"; at: number; to: number }
+  /** Undo and redo: all steps as they were. */
+  | { kind: "restore"; steps: readonly WantedStep[] };
 
 /** A refused edit, because another person has changed the sequence; shown in the step's form if it has one. */
 export interface Conflict {
-  edit: Exclude<Edit, { kind: "change" }>;
+  edit: Exclude<Edit, { kind: "change" | "restore" }>;
   /** The version on which it was based, and the current one. */
   seen: Sequence;
   there: Sequence;
@@ -96,10 +98,17 @@ async function read(id: string): Promise<Sequence> {
   return sequenceOf(await answer(api.GET("/api/v1/documents/{kind}/{id}", { params })));
 }
 
+/** The steps before each edit made here, and after each one that was undone. */
+interface Done {
+  past: readonly (readonly WantedStep[])[];
+  future: readonly (readonly WantedStep[])[];
+}
+
 /** @param made - Called with the new version after an edit made here. */
 export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
   const client = useQueryClient();
   const [conflict, setConflict] = useState<Conflict | null>(null);
+  const [done, setDone] = useState<Done>({ past: [], future: [] });
   const take = (there: Sequence) => {
     client.setQueryData(keyOf(sequence.id), there);
     void client.invalidateQueries({ queryKey: keys.documents(KIND) });
@@ -109,19 +118,27 @@ export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
       const { id, title, version } = sequence;
       return write(id, { title, steps: edited(sequence.steps, edit) }, version);
     },
-    onSuccess: (there) => {
+    onSuccess: (there, edit) => {
       take(there);
       made(there);
       setConflict(null);
+      if (edit.kind !== "restore") setDone(({ past }) => ({ past: [...past, sequence.steps], future: [] }));
     },
     onError: async (error, edit) => {
       if (!isConflict(error)) return notifyProblem(error);
       const there = await read(sequence.id);
       take(there);
-      if (edit.kind !== "change") setConflict({ edit, seen: sequence, there });
+      if (edit.kind !== "change" && edit.kind !== "restore") setConflict({ edit, seen: sequence, there });
     },
   });
-  return { edit: mutate, isPending, conflict, drop: () => setConflict(null) };
+  const go = (steps: readonly WantedStep[] | undefined, then: Done) =>
+    steps === undefined ? null : () => mutate({ kind: "restore", steps }, { onSuccess: () => setDone(then) });
+  const { past, future } = done;
+  const history = {
+    undo: go(past.at(-1), { past: past.slice(0, -1), future: [...future, sequence.steps] }),
+    redo: go(future.at(-1), { past: [...past, sequence.steps], future: future.slice(0, -1) }),
+  };
+  return { edit: mutate, isPending, conflict, drop: () => setConflict(null), history };
 }
 
 /** Whether another person has changed it meanwhile. */
@@ -139,6 +156,8 @@ export function edited(steps: readonly WantedStep[], edit: Edit): WantedStep[] {
       return wanted.with(edit.at, edit.step);
     case "remove":
       return wanted.toSpliced(edit.at, 1);
+    case "restore":
+      return [...edit.steps];
     case "move":
       return wanted.toSpliced(edit.at, 1).toSpliced(edit.to, 0, ...wanted.slice(edit.at, edit.at + 1));
   }

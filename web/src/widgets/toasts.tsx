@@ -28,9 +28,11 @@ export function notifyDone(message: string, undo?: () => void): void {
     autoClose: undo ? SHOWN_WITH_UNDO : SHOWN,
     message: (
       <Group justify="space-between" wrap="nowrap">
-        <Text size="sm">{message}</Text>
+        <Text size="sm" miw={0} style={{ overflowWrap: "anywhere" }}>
+          {message}
+        </Text>
         {undo && (
-          <Button variant="default" onClick={takeBack}>
+          <Button variant="default" flex="none" onClick={takeBack}>
             {i18n.t("undo")}
           </Button>
         )}

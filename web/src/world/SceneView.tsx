@@ -6,7 +6,7 @@ import { useTranslation } from "react-i18next";
 import { MayButton } from "../widgets/MayButton";
 import { useMay } from "../api/session";
 import { AddElement } from "./add/AddElement";
-import { UndoButton } from "./changes/UndoButton";
+import { WorldHistory } from "./changes/UndoButton";
 import { ElementDetails } from "./details/ElementDetails";
 import { MoveDialog } from "./edit/MoveDialog";
 import { useMove } from "./edit/useMove";
@@ -55,7 +55,7 @@ function Footer() {
       >
         {t("add.anywhere")}
       </MayButton>
-      <UndoButton />
+      <WorldHistory />
       {adding && <AddElement parent={null} onClose={() => setAdding(false)} />}
     </Group>
   );

@@ -250,14 +250,17 @@ class Simulation(Topic[C]):
     def bodies(self) -> scenes.Bodies:
         """Returns the true poses of all bodies, which no robot has access to."""
 
-    @operation("PUT /simulation/bodies/{element}/pose")
-    def move_body(self, element: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> None:
-        """Moves a body without informing any robot.
+    @operation("PUT /simulation/bodies/{element}/pose?check")
+    def move_body(
+        self, element: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT, *, check: bool = False
+    ) -> None:
+        """Moves a body without informing any robot; refused if it would be inside another body.
 
         Args:
             element: Id of the body.
             position: (x, y, z) in the map [m].
             orientation: Quaternion (x, y, z, w).
+            check: Only check whether it has room there.
         """
 
     @operation("DELETE /simulation/bodies/{element}")

@@ -86,6 +86,14 @@ class World(Topic[C]):
             change: Only if it is this one.
         """
 
+    @operation("POST /world/redo", once=True)
+    def redo(self, change: int | None = None) -> world.Change:
+        """Reverts the last undo, as long as no user has made another edit since.
+
+        Args:
+            change: Only if it is this undo.
+        """
+
 
 class Elements(Topic[C]):
     """The elements of the world and their relations."""

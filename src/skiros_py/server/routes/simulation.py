@@ -36,12 +36,17 @@ def list_bodies(act: Viewer) -> api.Bodies:
 
 
 @router.put("/bodies/{element}/pose", status_code=204)
-def move_body(act: Engineer, body: BodyId, pose: api.BodyPose) -> None:
+def move_body(act: Engineer, body: BodyId, pose: api.BodyPose, check: bool = False) -> None:
     """Move a body.
 
     Moves a body, and brings it to rest. No robot is informed: it has to notice, as if a person had moved it.
+
+    409 if it would be inside another body there: `hits` are the depths [m], by id.
+
+    Parameters:
+        check: Only check whether it has room there.
     """
-    act.station.simulation.move(body, pose)
+    act.station.simulation.move(body, pose, check=check)
 
 
 @router.delete("/bodies/{element}", status_code=204)

@@ -153,6 +153,15 @@ def undo_edit(act: Operator, order: api.UndoOrder | None = None) -> api.Change:
     return act.station.world.undo(order, act.author)
 
 
+@router.post("/world/redo")
+def redo_edit(act: Operator, order: api.UndoOrder | None = None) -> api.Change:
+    """Redo the last undone edit.
+
+    Reverts the last undo, as a new change, as long as no person has made another edit since.
+    """
+    return act.station.world.redo(order, act.author)
+
+
 learned_router = topic_router("learned")
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import functools
 import itertools
 import struct
+import weakref
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -26,6 +29,14 @@ _GRAVITY = 9.81  # [m/s²]
 _ATTACHMENT_FORCE = 1e5  # [N]
 _AS_THE_ENGINE_HAS_IT = Surface()
 _ORIGIN = Pose()
+
+
+@dataclass(frozen=True)
+class _State:
+    """A saved state: the bodies that were there, and its number in the client, which keeps it as long as this lives."""
+
+    bodies: tuple[str, ...]
+    number: int
 
 
 class PyBulletEngine:
@@ -247,12 +258,19 @@ class PyBulletEngine:
 
     def save(self) -> object:
         """Returns the state of all that is in the world now."""
-        return tuple(self._bodies), self.client.saveState()
+        number = self.client.saveState()
+        state = _State(tuple(self._bodies), number)
+        weakref.finalize(state, self._forget, number).atexit = False
+        return state
+
+    def _forget(self, number: int) -> None:
+        with suppress(DeviceError):  # the client is closed
+            self.client.removeState(number)
 
     def restore(self, state: object) -> None:
         """Goes back to a saved state; the same bodies and robots must be there."""
         match state:
-            case (tuple() as bodies, int() as number) if bodies == tuple(self._bodies):
+            case _State(bodies, number) if bodies == tuple(self._bodies):
                 self.client.restoreState(number)
             case _:
                 raise DeviceError("this state was saved with other bodies in the world")

@@ -117,14 +117,30 @@ class Simulation:
         ]
         return Bodies(time=time, items=items)
 
-    def move(self, body: str, pose: BodyPose) -> None:
+    def move(self, body: str, pose: BodyPose, *, check: bool = False) -> None:
         """Moves a body, at rest, without informing the robots.
+
+        Args:
+            body: Its id.
+            pose: Where to.
+            check: True to check only whether it has room there.
 
         Raises:
             NotFound: There is no such body.
             WrongState: It is bolted to a robot, or a region of another body.
+            Refused: There it would be inside another body; its data are their ids, with depths [m].
         """
-        self._change(body, lambda cell: cell.move_body(body, Pose(pose.position, pose.orientation)))
+
+        def do(cell: SimulatedCell) -> None:
+            wanted = Pose(pose.position, pose.orientation)
+            hits = cell.scene.hits(body, wanted)
+            if hits:
+                names = ", ".join(f"{name} ({depth * 100:.1f} cm)" for name, depth in sorted(hits.items()))
+                raise Refused("Collision", f"there {body} would be inside {names}", hits=hits)
+            if not check:
+                cell.move_body(body, wanted)
+
+        self._change(body, do)
 
     def remove(self, body: str) -> None:
         """Removes a body without informing the robots.
@@ -255,7 +271,7 @@ class Simulation:
         wanted.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))  # carriers first
         moved = _moved(view, change.edits)
         for body in wanted:
-            self._put(session, body, moved=body.id in moved)
+            self._put(session, body, moved=body.id in moved, passing=moved)
         session.spec = replace(session.spec, bodies=_bodies(session, view, wanted))
 
     def _read(self, view: WorldView, name: str) -> BodySpec | None:
@@ -265,10 +281,10 @@ class Simulation:
             self._note(name, f"the body of {name} stays as it is: {error}")
             return None
 
-    def _put(self, session: Session, body: BodySpec, *, moved: bool) -> None:
+    def _put(self, session: Session, body: BodySpec, *, moved: bool, passing: set[str]) -> None:
         scene = session.simulation.scene
         try:
-            scene.follow_belief(body.id, body, moved=moved, seed=session.options.seed)
+            scene.follow_belief(body.id, body, moved=moved, seed=session.options.seed, passing=passing)
         except SkirosError as error:
             self._note(body.id, f"the body of {body.id} stays as it is: {error}")
         else:

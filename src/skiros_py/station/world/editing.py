@@ -95,6 +95,12 @@ def undoable(world: World) -> Undoable | None:
     return Undoable.view_of(head.change)
 
 
+def redoable(world: World) -> Undoable | None:
+    """Returns the undo that a redo would revert."""
+    head = _journal(world).redoable_entry()
+    return None if head is None else Undoable.view_of(head.change)
+
+
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:
     """Returns the effects of a finished transaction."""
     change = None if tx.change is None else change_view(tx.change)

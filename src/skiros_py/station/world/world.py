@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
@@ -16,11 +16,11 @@ from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Servi
 from skiros_py.station.world import editing
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
-from skiros_py.world.change import SourceEdit
+from skiros_py.world.change import Change, SourceEdit
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.scene.learned import learned_turtle
-from skiros_py.world.undo import undo
+from skiros_py.world.undo import redo, undo
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 
 if TYPE_CHECKING:
@@ -121,6 +121,7 @@ class WorldService(Service):
             locks=len(world.locks.held()),
             remembered_from=world.log.first,
             undoable=editing.undoable(world),
+            redoable=editing.redoable(world),
         )
 
     def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> api.TreeNode:
@@ -191,18 +192,34 @@ class WorldService(Service):
             StaleVersion: The last edit is not the one given.
             Locked: Another author has locked an affected element.
         """
-        world = self._world
         try:
-            return editing.change_view(
-                undo(world, author.name, expects=order.change if order else None, holder=author.holder)
-            )
+            return self._revert(undo, order, author)
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
-            last = world.log.undoable()
+            last = self._world.log.undoable()
             was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
             hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
             raise Refused("CannotUndo", f"{error}{hint}") from None
+
+    def redo(self, order: api.UndoOrder | None = None, author: Author = LIBRARY) -> api.Change:
+        """Reverts the last undo, as long as no person has made another edit since.
+
+        Raises:
+            Refused: There is none, or later changes depend on it.
+            StaleVersion: The last undo is not the one given.
+            Locked: Another author has locked an affected element.
+        """
+        try:
+            return self._revert(redo, order, author)
+        except (StaleVersion, Locked):
+            raise
+        except WorldError as error:
+            raise Refused("CannotRedo", str(error)) from None
+
+    def _revert(self, how: Callable[..., Change], order: api.UndoOrder | None, author: Author) -> api.Change:
+        expects = order.change if order else None
+        return editing.change_view(how(self._world, author.name, expects=expects, holder=author.holder))
 
     # ------------------------------------------------------------------ learned concepts
 

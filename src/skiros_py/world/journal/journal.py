@@ -35,8 +35,15 @@ _MOST_EDITS = 100_000
 """Number of edits of the latest changes that are kept in memory; the last change is always kept."""
 
 _PEOPLE = "writer = 'person' OR undoes IS NOT NULL"
-_TAKEN_BACK = f"SELECT undoes FROM changes WHERE ({_PEOPLE}) AND undoes IS NOT NULL"  # noqa: S608  all ours
+_REVERTED = f"SELECT undoes FROM changes WHERE ({_PEOPLE}) AND undoes IS NOT NULL"  # noqa: S608  all ours
+_TAKEN_BACK = f"{_REVERTED} AND number NOT IN ({_REVERTED})"
 _UNDOABLE = f"({_PEOPLE}) AND undoes IS NULL AND number NOT IN ({_TAKEN_BACK}) ORDER BY number DESC LIMIT 1"
+_LAST_EDIT = f"SELECT number FROM changes WHERE ({_PEOPLE}) AND undoes IS NULL ORDER BY number DESC LIMIT 1"  # noqa: S608
+_REDOABLE = (
+    f"({_PEOPLE}) AND undoes IS NOT NULL AND undoes NOT IN (SELECT number FROM changes WHERE undoes IS NOT NULL)"  # noqa: S608
+    f" AND number NOT IN ({_REVERTED}) AND number > ({_LAST_EDIT}) ORDER BY number DESC LIMIT 1"
+)
+"""An undo reverts an edit, a redo an undo; after a redo, an undo reverts the edit again."""
 _MOST_PROBLEMS = 20
 
 
@@ -152,6 +159,11 @@ class Journal:
         entries = self._select(_UNDOABLE)
         return entries[0].change if entries else None
 
+    def redoable(self) -> Change | None:
+        """Returns the last undo that was not reverted, if no edit by a user followed it; otherwise None."""
+        entries = self._select(_REDOABLE)
+        return entries[0].change if entries else None
+
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the remembered changes after a version that are about any of the subjects, in order."""
         condition = (
@@ -210,6 +222,11 @@ class Journal:
     def undoable_entry(self) -> Entry | None:
         """Returns the beginning of the last remembered change by a person that was not undone yet, or None."""
         entries = select(self._database, _UNDOABLE, whole=False)
+        return entries[0] if entries else None
+
+    def redoable_entry(self) -> Entry | None:
+        """Returns the beginning of the undo that a redo would revert, or None."""
+        entries = select(self._database, _REDOABLE, whole=False)
         return entries[0] if entries else None
 
     def was_given(self, element: str) -> bool:

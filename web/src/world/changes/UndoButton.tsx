@@ -1,32 +1,55 @@
 import { IconArrowBackUp } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
+import { HistoryButtons } from "../../widgets/HistoryButtons";
 import { MayButton } from "../../widgets/MayButton";
 import { withdrawUndo } from "../../widgets/toasts";
 import { useWrite } from "../edit/useWrite";
 import { useWorldInfo } from "../queries";
 
-/** Undoes the last edit by a person, and describes it; with `only`, it is shown for that change alone. */
-export function UndoButton({ only }: { only?: number }) {
-  const { t } = useTranslation("world");
-  const { data } = useWorldInfo();
-  const next = data?.undoable ?? null;
-  const undo = useWrite(
+function useUndo() {
+  return useWrite(
     (change: number) => answer(api.POST("/api/v1/world/undo", { body: { change } })),
     () => withdrawUndo(),
   );
-  if (only !== undefined && next?.number !== only) return null;
-  const what = next === null ? t("undo.nothing") : t("undo.what", next);
+}
+
+/** Undoes and redoes the edits of people, and describes them. */
+export function WorldHistory() {
+  const { t } = useTranslation("world");
+  const { data } = useWorldInfo();
+  const undo = useUndo();
+  const redo = useWrite((change: number) => answer(api.POST("/api/v1/world/redo", { body: { change } })));
+  const [back, again] = [data?.undoable ?? null, data?.redoable ?? null];
+  return (
+    <HistoryButtons
+      operation="undo_edit"
+      undo={back && (() => undo.mutate(back.number))}
+      redo={again && (() => redo.mutate(again.number))}
+      titles={{
+        undo: back === null ? t("undo.nothing") : t("undo.what", back),
+        redo: again === null ? t("redo.nothing") : t("redo.what", again),
+      }}
+      busy={undo.isPending || redo.isPending}
+    />
+  );
+}
+
+/** Undoes one change if it is the last edit of a person; otherwise nothing is shown. */
+export function UndoButton({ only }: { only: number }) {
+  const { t } = useTranslation("world");
+  const next = useWorldInfo().data?.undoable ?? null;
+  const undo = useUndo();
+  if (next?.number !== only) return null;
   return (
     <MayButton
       operation="undo_edit"
       variant="default"
       leftSection={<IconArrowBackUp size={14} aria-hidden />}
-      disabled={next === null}
       loading={undo.isPending}
-      title={what}
-      aria-label={what}
-      onClick={() => next && undo.mutate(next.number)}
+      title={t("undo.what", next)}
+      aria-label={t("undo.what", next)}
+      onClick={() => undo.mutate(next.number)}
     >
       {t("undo.short")}
     </MayButton>
