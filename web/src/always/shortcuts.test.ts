@@ -26,3 +26,10 @@ test("a question mark shows the keys, except in a text field", () => {
   expect(commandOf({ ...PLAIN, key: "?", shiftKey: true }, false)).toBe("help");
   expect(commandOf({ ...PLAIN, key: "?", shiftKey: true }, true)).toBeUndefined();
 });
+
+test("Ctrl+Z undoes and Ctrl+Shift+Z redoes, except in a text field, which has its own", () => {
+  const press = { ...PLAIN, code: "KeyZ", ctrlKey: true };
+  expect(commandOf({ ...press, key: "z" }, false)).toBe("undo");
+  expect(commandOf({ ...press, key: "Z", shiftKey: true }, false)).toBe("redo");
+  expect(commandOf({ ...press, key: "z" }, true)).toBeUndefined();
+});

@@ -18,6 +18,8 @@ export interface Palette {
   path: Color;
   seen: Color;
   truth: Color;
+  /** What cannot be where it is drawn. */
+  wrong: Color;
   kinds: Record<ViewElement["kind"], Color>;
 }
 
@@ -38,6 +40,7 @@ const LIGHT: Palette = {
   path: color("#1971c2"),
   seen: color("#9c36b5"),
   truth: color("#d9480f"),
+  wrong: color("#e03131"),
   kinds: {
     part: color("#c8894a"),
     place: color("#b4bfca"),
@@ -65,6 +68,7 @@ const DARK: Palette = {
   path: color("#4dabf7"),
   seen: color("#da77f2"),
   truth: color("#ff922b"),
+  wrong: color("#ff6b6b"),
   kinds: {
     ...LIGHT.kinds,
     place: color("#6d7987"),

@@ -53,6 +53,15 @@ beforeEach(() => {
   queryClient.setQueryData(keys.me, { operations: ["put_document"] });
 });
 
+test("after a step was removed, the focus is on the next one, but not on its bin", async () => {
+  const settle = ({ onSettled }: Then) => onSettled(null, null);
+  const { rerender } = render(page(sequence(1, ["pallet_a", "kit_1", "kit_2"]), settle));
+  const [, second] = screen.getAllByRole("button", { name: /^Remove|: remove|remove/i });
+  if (second !== undefined) await userEvent.click(second);
+  rerender(page(sequence(2, ["pallet_a", "kit_2"]), settle));
+  expect(document.activeElement).toHaveAttribute("data-mover", "drag 1");
+});
+
 test("the focus follows a moved step", async () => {
   expect(await focusAfterMove(null)).toHaveAttribute("data-mover", "down 1");
 });

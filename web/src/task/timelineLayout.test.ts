@@ -1,7 +1,9 @@
 import type { Schema } from "../api/client";
 import { joined, readEntry, type Plan, readRun, type Run, type TraceEntry } from "./trace";
 import { finish, schedule } from "./schedule";
+import { fitting } from "./TimelineBar";
 import { layOut } from "./timelineLayout";
+import { windowOf } from "./useZoom";
 
 function skill(name: string, agent: string, duration: number): [string, Schema<"SkillInfo">] {
   return [name, { name, agent, duration, parameters: [] } as unknown as Schema<"SkillInfo">];
@@ -90,4 +92,24 @@ test("abandoned steps do not extend the timeline", () => {
 
 test("an ended timeline has no expected end", () => {
   expect(layOut(readRun([...GOOD, entry(31, "finished")]), SKILLS, 99, false).eta).toBeNull();
+});
+
+test.each([12, 120])("of %i steps, as many are shown at first as have room for their texts", (count) => {
+  const calls = Array.from({ length: count }, () => DRIVE);
+  const after = calls.map((_, index) => (index === 0 ? [] : [index - 1]));
+  const starts = calls.map((_, index) => 20 * index);
+  const steps = calls.map(({ skill: name }) => name);
+  const run = readRun([entry(10, "begun"), entry(12, "planned", { data: { steps, calls, after, starts } })]);
+  const layout = layOut(run, SKILLS, 12 + 10 * count, false);
+  const { start, end } = windowOf(layout, { start: 10, end: 10 + layout.readable }, 12 + 10 * count);
+  expect((20 / (end - start)) * 700).toBeGreaterThan(100); // px of a bar in a pane of 700 px
+  expect(start).toBeLessThan(12 + 10 * count);
+  expect(end).toBeGreaterThan(12 + 10 * count);
+});
+
+test("a bar shows as much as it has room for, and never a part of a word without a sign of that", () => {
+  expect(fitting("✓", "takes starter_1", 200)).toBe("✓ takes starter_1");
+  expect(fitting("✓", "takes starter_1 from pallet A", 120)).toMatch(/^✓ takes starter.*…$/);
+  expect(fitting("✓", "takes starter_1", 40)).toBe("✓");
+  expect(fitting("✓", "takes starter_1", 10)).toBe("");
 });

@@ -10,6 +10,8 @@ import { type MapPose, useTools } from "../tools";
 import { Draft } from "./Draft";
 import { startOf, useBodies, useElement, useObstacle } from "./useMovable";
 import { TrueBodies } from "./TrueBodies";
+import { snapped } from "./surfaces";
+import { useCollision } from "./useCollision";
 
 /** Handles on the selected element, which move its believed pose or its simulated body. */
 export function Gizmo({ palette }: { palette: Palette }) {
@@ -40,7 +42,11 @@ function Handles({ id, palette }: { id: string; palette: Palette }) {
     if (at !== null) put(proxy, at);
     wake();
   }, [proxy, pose, tool, id, bodies, showings]);
-  const moved = () => set({ draft: { element: id, pose: taken(proxy) } });
+  const moved = () => {
+    const next = mode === "translate" ? snapped(id, taken(proxy)) : taken(proxy);
+    set({ draft: { element: id, pose: next } });
+  };
+  const hit = useCollision(id, pose).length > 0;
   return (
     <>
       <primitive object={proxy} />
@@ -53,7 +59,9 @@ function Handles({ id, palette }: { id: string; palette: Palette }) {
         rotationSnap={snap.rotate || null}
         onObjectChange={moved}
       />
-      {pose !== null && <Draft id={id} pose={pose} colour={tool === "body" ? palette.truth : palette.selected} />}
+      {pose !== null && (
+        <Draft id={id} pose={pose} colour={hit ? palette.wrong : tool === "body" ? palette.truth : palette.selected} />
+      )}
     </>
   );
 }

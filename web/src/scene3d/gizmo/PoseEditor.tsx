@@ -1,4 +1,5 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
+import { IconArrowBarToDown } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { Vector3 } from "three";
@@ -11,6 +12,9 @@ import { PoseModes } from "./PoseModes";
 import { PoseNumbersForm } from "./PoseNumbersForm";
 import { startOf, useBodies, useElement } from "./useMovable";
 import { type Mover, useWriter } from "./useWriter";
+import { nameNow } from "../../widgets/names";
+import { setDown } from "./surfaces";
+import { useCollision } from "./useCollision";
 
 const FAR = 0.3; // m from the bounding box of a place
 
@@ -25,13 +29,15 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
   const mine = draft?.element === element.id ? draft : null;
   const pose = mine?.pose ?? startOf(tool, element.id, bodies);
   const writer = useWriter(tool, element.id, mine !== null);
+  const hits = useCollision(element.id, mine?.pose ?? null);
+  const refused = tool === "body" && hits.length > 0;
   if (pose === null) return <Text size="sm">{t("obstacle.nowhere")}</Text>;
   const write = () => writer.write(pose, () => set({ draft: null }));
   return (
     <form
       onSubmit={(event) => {
         event.preventDefault();
-        if (mine !== null && sound && !writer.busy) write();
+        if (mine !== null && sound && !refused && !writer.busy) write();
       }}
     >
       <Text size="xs" c="dimmed" mb={4}>
@@ -45,14 +51,27 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
         onChange={(next) => set({ draft: { element: element.id, pose: next } })}
       />
       {mine !== null && tool === "belief" && <Farness pose={mine.pose} place={element.place} />}
+      {hits.length > 0 && (
+        <Alert color={tool === "body" ? "red" : "yellow"} p={6} mt={6} role="status">
+          <Text size="xs">{t(`collision.${tool}`, { names: hits.map(nameNow).join(", ") })}</Text>
+        </Alert>
+      )}
       {writer.problem !== null && <Refusal problem={writer.problem} again={() => writer.refresh()} />}
       <Group gap={6} mt={8} justify="flex-end">
+        <Button
+          variant="default"
+          mr="auto"
+          leftSection={<IconArrowBarToDown size={14} aria-hidden />}
+          onClick={() => set({ draft: { element: element.id, pose: setDown(element.id, pose) } })}
+        >
+          {t("pose.setDown")}
+        </Button>
         <Button variant="default" disabled={mine === null} onClick={() => set({ draft: null })}>
           {t("cancel", { ns: "common" })}
         </Button>
         <Button
           type="submit"
-          disabled={mine === null || !sound}
+          disabled={mine === null || !sound || refused}
           loading={writer.busy}
           color={tool === "body" ? "orange.8" : undefined}
         >

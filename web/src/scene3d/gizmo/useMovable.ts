@@ -69,6 +69,21 @@ export function useBodies(): readonly Schema<"SimulatedBody">[] {
   return (wanted && data?.items) || NOBODY;
 }
 
+/** Ids of the simulated bodies; fetched once. */
+export function useBodyIds(wanted: boolean): ReadonlySet<string> {
+  const simulates = useSimulates();
+  const { data } = useQuery({
+    queryKey: keys.station("body ids"),
+    queryFn: async () => {
+      const { items } = await answer(api.GET("/api/v1/simulation/bodies"));
+      return new Set(items.map(({ id }) => id));
+    },
+    enabled: wanted && simulates,
+  });
+  return data ?? NO_IDS;
+}
+
+const NO_IDS: ReadonlySet<string> = new Set();
 const NOBODY: readonly Schema<"SimulatedBody">[] = [];
 
 /** Why an element cannot be moved by a tool now. */
