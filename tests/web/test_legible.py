@@ -1,0 +1,65 @@
+"""What people read and touch: trees and timelines of jobs, controls for fingers, undo by keys."""
+
+from __future__ import annotations
+
+import httpx2
+
+GOAL = ["InKit(Starter, kit_1)", "InKit(Alternator, kit_1)", "ObjectAtLocation(RelayBox, kit_1_c)"]
+FINGER = 44
+"""Least size of a control for fingers [px]."""
+_SIZES = """() => [...document.querySelectorAll('.react-flow__node-box [class*=title], svg[role=group] text')]
+  .map((one) => one.getBoundingClientRect().width / one.offsetWidth * parseFloat(getComputedStyle(one).fontSize)
+    || parseFloat(getComputedStyle(one).fontSize))"""
+"""Sizes of the texts of a tree or timeline as drawn [px]."""
+_SMALL = """(least) => [...document.querySelectorAll('main button:not(.mantine-Anchor-root)')]
+  .map((one) => [one.getAttribute('aria-label') || one.textContent, one.getBoundingClientRect()])
+  .filter(([, box]) => box.width > 0 && (box.width < least || box.height < least)).map(([name]) => name)"""
+
+
+def test_tree_and_timeline_of_a_job_of_twelve_steps_are_readable_at_first(station, visit, expect):
+    served = station(pace=1.0)
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        http.put("/jobs/three", json={"goal": GOAL}).raise_for_status()
+    page = visit(served.url, at="#/task/three")
+    bar = page.get_by_role("button", name="drives to pallet A: running, attempt 1")
+    expect(bar).to_be_visible()
+    assert bar.bounding_box()["width"] > 3
+    assert min(page.evaluate(_SIZES)) >= 11
+    page.get_by_role("tab", name="Tree", exact=True).click()
+    node = page.locator(".react-flow__node-box").filter(has_text="drives to pallet A").first
+    expect(node).to_be_in_viewport(ratio=0.9)
+    assert min(page.evaluate(_SIZES)) >= 11
+
+
+def test_on_a_telephone_joints_are_told_apart_and_controls_have_room_for_fingers(station, visit, expect):
+    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    page = visit(station().url, at="#/modules/jog", **phone)
+    page.get_by_role("tab", name="Jog and teach").click()
+    first, last = (page.get_by_role("group", name=f"panda_joint{number}") for number in (1, 7))
+    for joint, name in ((first, "joint1"), (last, "joint7")):
+        text = joint.get_by_text(name, exact=True)
+        expect(text).to_be_visible()
+        assert text.evaluate("one => one.scrollWidth <= one.clientWidth")
+    assert page.evaluate(_SMALL, FINGER) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_removed_element_comes_back_and_goes_again_by_keys(station, visit, expect):
+    served = station()
+    page = visit(served.url, at="#/world")
+    row = page.get_by_role("treeitem").filter(has_text="starter_1")
+    expect(row).to_be_visible()
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        http.delete("/elements/starter_1", headers={"If-Match": "*"}).raise_for_status()
+    expect(row).to_have_count(0)
+    expect(page.get_by_role("button", name="Undo change").first).to_be_enabled()
+    page.keyboard.press("Control+z")
+    expect(row).to_be_visible()
+    expect(page.get_by_role("button", name="Redo what")).to_be_enabled()
+    page.keyboard.press("Control+Shift+z")
+    expect(row).to_have_count(0)
+
+
+def test_a_robot_that_only_pretends_is_named_as_such(station, visit, expect):
+    page = visit(station().url)
+    expect(page.get_by_role("note").filter(has_text="Pretended, without physics")).to_be_visible()
