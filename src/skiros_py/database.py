@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import re
+import shutil
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from skiros_py import commits
+from skiros_py.commits import CommitLog, LostCommits
 from skiros_py.errors import DiskFault, FileError, WorldError
+
+_log = logging.getLogger(__name__)
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """Size of the write-ahead log at which it is checkpointed [pages] (16 MB)."""
@@ -20,7 +27,7 @@ _PAGES_AT_MOST = 50_000
 """The same where a thread makes the checkpoints, in case it cannot keep up [pages] (200 MB)."""
 
 _BETWEEN_LOOKS = 0.5
-"""Period in which that thread checks the size of the log [s]."""
+"""Period in which that thread syncs the log and checks its size [s]."""
 
 _LEAST_SIZE = 512
 """Minimum page size of SQLite [bytes]: a shorter file is no database."""
@@ -35,6 +42,15 @@ _WORDS = (
     ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
     ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
 )
+_COUNTED = re.compile(rb"skiros-commit (\d{16})")
+COUNTED = """
+CREATE TABLE commits (last TEXT NOT NULL);
+INSERT INTO commits VALUES ('skiros-commit 0000000000000000');
+"""
+"""The migration that counts commits; each schema has it. The count has a fixed length, so that it is found in pages."""
+_NUMBER = "CAST(substr(last, 15) AS INT)"
+_COUNT = f"UPDATE commits SET last = printf('skiros-commit %016d', {_NUMBER} + 1) RETURNING {_NUMBER}"
+_LAST = f"SELECT {_NUMBER} FROM commits"
 _DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
 """Errors of the disk, which may end."""
 
@@ -101,74 +117,81 @@ class Database:
     """An open file; created if it is missing, migrated if it is old.
 
     Committed writes survive a crash of the process. A power failure may lose the last second of writes that are not
-    durable.
+    durable. Each commit is also noted in a second file (:mod:`~skiros_py.commits`): a file that ends before what was
+    committed is not opened, unless a power failure explains that; then the missing writes are logged.
+
+    Other processes may read committed content at any time.
 
     Attributes:
         path: The file.
         fault: Why the last write failed; None if it did not.
     """
 
-    def __init__(
-        self, path: Path, schema: Schema, *, durable: bool = False, shared: bool = False, lookups: bool = False
-    ) -> None:
+    def __init__(self, path: Path, schema: Schema, *, durable: bool = False, lookups: bool = False) -> None:
         """Opens the file.
 
         Args:
             path: The file.
             schema: Its tables.
-            durable: Whether committed writes also survive a power failure; each commit waits for the disk.
-            shared: Whether other processes may read committed content meanwhile.
-            lookups: Whether :meth:`looked_up` is used; other processes may then read, too. A separate thread
-                checkpoints the write-ahead log, so that commits do not wait for that.
+            durable: Whether committed writes also survive a power failure; each commit waits for the disk. Otherwise a
+                separate thread syncs and checkpoints the write-ahead log, so that commits do not wait for that.
+            lookups: Whether :meth:`looked_up` is used.
 
         Raises:
             FileError: It cannot be opened or created, is damaged, is another program's, or is of a later version.
+            LostCommits: It ends before what was acknowledged.
         """
         self.path = path
         self._schema = schema
         self._durable = durable
         self._guard = threading.RLock()
         self._syncing = threading.Lock()
-        self._commits = self._synced = 0
+        self._writes: list[str] = []
+        self._committed = self._synced = 0
         self._unsafe = False
         self.fault: DiskFault | None = None
         self._connection: sqlite3.Connection | None = None
         self._looking = threading.Lock()
         self._looker: sqlite3.Connection | None = None
-        self._checkpoints: _Checkpoints | None = None
+        self._upkeep: _Upkeep | None = None
+        self._notes: CommitLog | None = None
         with self._faults():
             if not path.exists():
                 _make(path, schema)
             elif path.stat().st_size < _LEAST_SIZE:  # SQLite would treat it as a new one
                 raise FileError(path, schema.damaged)
             _make_private(path)
+            _check_complete(path, schema)
             self._connection = _connect(path)
             try:
-                if not (shared or lookups):
-                    _run(self._connection, "locking_mode = EXCLUSIVE")
                 schema.check(self._connection, path)
                 _run(self._connection, "journal_mode = WAL")
                 _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
-                pages = _PAGES_AT_MOST if lookups else _PAGES_BETWEEN_CHECKPOINTS
+                pages = _PAGES_BETWEEN_CHECKPOINTS if durable else _PAGES_AT_MOST
                 _run(self._connection, f"wal_autocheckpoint = {pages}")
                 schema.upgrade(self._connection)
+                ((self._committed,),) = self._connection.execute(_LAST).fetchall()
+                if not commits.exists(path):
+                    commits.create(path, self._committed, "the file was opened")
+                self._notes = CommitLog(path)
+                self.sync()
                 if lookups:
                     self._looker = _connect(path)
                     _run(self._looker, "query_only = ON")
-                    self._checkpoints = _Checkpoints(path)
+                if not durable:
+                    self._upkeep = _Upkeep(self)
             except BaseException:
                 self.close()
                 raise
 
     @contextmanager
-    def transaction(self, *, waits: bool = True) -> Iterator[sqlite3.Connection]:
+    def transaction(self, what: str = "") -> Iterator[sqlite3.Connection]:
         """Lends the connection for writes: all are committed at the end of the block, or none if it raises.
 
         A block within a block of the same thread belongs to the outer one.
 
         Args:
-            waits: False not to wait for the disk in a durable file: a power failure may lose these writes until the
-                next transaction that waits.
+            what: What is written, in words: said to people if it is missing in the file later.
 
         Raises:
             FileError: They cannot be stored.
@@ -177,20 +200,18 @@ class Database:
         with self._guard, self._faults():
             connection = self._open()
             if connection.in_transaction:
+                self._writes.append(what)
                 yield connection
                 return
-            hurries = self._durable and not waits
-            if hurries:
-                _run(connection, "synchronous = NORMAL")
-            try:
-                with _committing(connection):
-                    yield connection
-                self._commits += 1
-                if not self._unsafe:
-                    self.fault = None
-            finally:
-                if hurries:
-                    _run(connection, "synchronous = FULL")
+            self._writes = [what]
+            with _committing(connection):
+                yield connection
+                ((number,),) = connection.execute(_COUNT).fetchall()
+            self._committed = number
+            if self._notes is not None:
+                self._notes.note(number, ", ".join(filter(None, self._writes)), synced=self._durable)
+            if not self._unsafe:
+                self.fault = None
 
     @contextmanager
     def reading(self) -> Iterator[None]:
@@ -235,10 +256,10 @@ class Database:
             DiskFault: The disk cannot be written.
         """
         with self._syncing:  # who waits meanwhile may find its writes synced
-            self._sync(self._commits)
+            self._sync(self._committed)
 
-    def _sync(self, commits: int) -> None:
-        if self._synced >= commits:
+    def _sync(self, committed: int) -> None:
+        if self._synced >= committed:
             return
         try:
             if self._unsafe:  # a failed sync may have dropped pages of the log: they are written to the file instead
@@ -250,13 +271,20 @@ class Database:
                 os.fsync(log)
             finally:
                 os.close(log)
-        except FileNotFoundError:  # there is no log: everything is in the file
-            return
+        except FileNotFoundError:
+            pass  # there is no log: everything is in the file
         except OSError as error:
             self._unsafe = True
             self.fault = DiskFault(self.path, f"the disk cannot be written: {error.strerror or error}")
             raise self.fault from error
-        self._synced = max(self._synced, commits)
+        self._synced = max(self._synced, committed)
+        if self._notes is not None:
+            self._notes.synced(self._synced)
+
+    def sync_notes(self) -> None:
+        """Waits until it is also on the disk which writes are; nobody else needs to wait for that."""
+        if self._notes is not None:
+            self._notes.sync()
 
     def shrink(self) -> None:
         """Frees the space of deleted content.
@@ -271,17 +299,23 @@ class Database:
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
-        checkpoints, self._checkpoints = self._checkpoints, None
-        if checkpoints is not None:
-            checkpoints.close()
+        upkeep, self._upkeep = self._upkeep, None
+        if upkeep is not None:
+            upkeep.close()
         with self._looking, self._faults():
             looker, self._looker = self._looker, None
             if looker is not None:
                 looker.close()
+        if self._connection is not None:
+            with suppress(FileError):
+                self.sync()
         with self._guard, self._faults():
             connection, self._connection = self._connection, None
             if connection is not None:
                 connection.close()
+            notes, self._notes = self._notes, None
+            if notes is not None:
+                notes.close()
 
     def _open(self) -> sqlite3.Connection:
         if self._connection is None:
@@ -304,18 +338,19 @@ class Database:
             raise FileError(self.path, f"cannot be opened: {error.strerror or error}") from error
 
 
-class _Checkpoints:
-    """A thread that checkpoints the write-ahead log, with a connection of its own.
+class _Upkeep:
+    """A thread that syncs and checkpoints the write-ahead log, with a connection of its own.
 
     The checkpoints are passive: they neither wait for readers and writers nor block them.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._log = path.with_name(f"{path.name}-wal")
-        self._connection = _connect(path)
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._log = database.path.with_name(f"{database.path.name}-wal")
+        self._connection = _connect(database.path)
         _run(self._connection, "synchronous = FULL")  # the log restarts only when the file is on the disk
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="skiros-checkpoints", daemon=True)
+        self._thread = threading.Thread(target=self._work, name="skiros-upkeep", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -326,7 +361,9 @@ class _Checkpoints:
 
     def _work(self) -> None:
         while not self._ended.wait(_BETWEEN_LOOKS):
-            with suppress(sqlite3.Error, OSError):  # such as a full disk: the content stays in the log
+            with suppress(sqlite3.Error, OSError, FileError):  # such as a full disk: the content stays in the log
+                self._database.sync()
+                self._database.sync_notes()
                 if self._log.stat().st_size > _PAGE * _PAGES_BETWEEN_CHECKPOINTS // 4:
                     self._checkpoint()
 
@@ -349,28 +386,191 @@ def open_private(path: str, flags: int) -> int:
 
 def _make_private(path: Path) -> None:
     """Takes the permissions of others from a database and its log; SQLite gives new ones those of the file."""
-    for file in (path, *(path.with_name(f"{path.name}-{end}") for end in ("wal", "shm"))):
+    for file in (path, *(path.with_name(f"{path.name}-{end}") for end in ("wal", "shm", "commits"))):
         with suppress(OSError):  # some file systems have no permissions, and the file may be another user's
             file.chmod(0o600)
 
 
 def _make(path: Path, schema: Schema) -> None:
     """Creates the file under a temporary name, so that it is never incomplete."""
-    log = path.with_name(f"{path.name}-wal")
-    if log.exists():
-        raise FileError(path, f"the file is missing, but {log.name} exists: restore the file, or remove {log.name}")
+    for log in (path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}{commits.ENDING}")):
+        if log.exists():
+            raise FileError(path, f"the file is missing, but {log.name} exists: restore the file, or remove {log.name}")
     new = path.with_name(f"{path.name}.new")
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
     os.close(open_private(os.fspath(new), os.O_CREAT | os.O_EXCL))
     with closing(_connect(new)) as connection:
         schema.upgrade(connection)
+    commits.create(path, 0, "the file was made")
     new.replace(path)
 
 
 def _connect(path: Path) -> sqlite3.Connection:
     # Transactions are begun explicitly; our own lock serialises threads.
     return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
+
+
+def _connect_read_only(path: Path, more: str = "") -> sqlite3.Connection:
+    """Opens a file without changing it: SQLite neither checkpoints nor removes its log at the end."""
+    return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro{more}", timeout=1.0, isolation_level=None, uri=True)
+
+
+def _check_complete(path: Path, schema: Schema) -> None:
+    """Checks that a file, which is not changed by that, holds everything that was acknowledged.
+
+    Raises:
+        FileError: It does not, or is of another kind or a later version.
+        sqlite3.Error: The file is damaged or cannot be read.
+    """
+    loss = find_loss(path, schema)
+    if loss is None:
+        return
+    if not loss.power_cut:
+        raise LostCommits(loss)
+    _log.warning("%s %s\nthe machine went down before they were on the disk", path, loss)
+    _give_up(loss)
+
+
+def find_loss(path: Path, schema: Schema | None = None) -> commits.Loss | None:
+    """Returns which acknowledged writes are missing in a file; None if none is.
+
+    The file is not changed, and may be in use.
+
+    Args:
+        path: The file.
+        schema: Its tables, which are checked, too; None to check none.
+
+    Raises:
+        FileError: The file is of another kind or a later version, or older than its log.
+        sqlite3.Error: The file is damaged or cannot be read.
+    """
+    noted = commits.read(path)  # first: commits may be added meanwhile
+    with closing(_connect_read_only(path)) as connection:
+        if schema is not None:
+            schema.check(connection, path)
+        if not _counts(connection):
+            return None  # of an earlier version
+        ((last,),) = connection.execute(_LAST).fetchall()
+        ((root,),) = connection.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'commits'").fetchall()
+    first = _first_in_log(path, root)
+    if first is not None and _last_in_file(path, first) < first - 1 < last:
+        log = f"{path.name}-wal"
+        raise FileError(
+            path,
+            f"is older than its log {log}, as if a copy had been put in its place while {log} was left: restore the"
+            f" whole data directory, or move {log} away",
+        )
+    return commits.find_loss(path, last, noted)
+
+
+def accept_loss(path: Path) -> commits.Loss | None:
+    """Gives up the acknowledged writes that are missing in a file, so that it can be opened.
+
+    A copy of its write-ahead log is kept beside it.
+
+    Returns:
+        What was missing; None if nothing was.
+
+    Raises:
+        FileError: The file is older than its log, or cannot be written.
+        sqlite3.Error: The file is damaged or cannot be read.
+    """
+    loss = find_loss(path)
+    if loss is not None:
+        _give_up(loss)
+    return loss
+
+
+def _give_up(loss: commits.Loss) -> None:
+    log = loss.path.with_name(f"{loss.path.name}-wal")
+    with suppress(FileNotFoundError):
+        shutil.copy2(log, log.with_name(f"{log.name}.kept"))
+    with closing(_connect(loss.path)) as connection:
+        connection.execute("UPDATE commits SET last = printf('skiros-commit %016d', ?)", (loss.last,))
+        _run(connection, "wal_checkpoint(TRUNCATE)")
+    commits.create(loss.path, loss.last, "missing writes were given up")
+
+
+def check_integrity(path: Path) -> list[str]:
+    """Returns what is wrong with the pages and indexes of a file, which is not changed and may be in use.
+
+    Raises:
+        sqlite3.Error: The file cannot be read.
+    """
+    with closing(_connect_read_only(path)) as connection:
+        found = [text for (text,) in connection.execute("PRAGMA integrity_check(20)").fetchall()]
+    return [] if found == ["ok"] else found
+
+
+def read_rows(path: Path, sql: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
+    """Yields the rows of a query of a file, which is not changed and may be in use.
+
+    Raises:
+        sqlite3.Error: The file cannot be read.
+    """
+    with closing(_connect_read_only(path)) as connection:
+        yield from connection.execute(sql, values)
+
+
+def back_up(paths: Sequence[Path], folder: Path) -> None:
+    """Copies files, which may be in use, as they are at one moment; each copy is complete without a log.
+
+    Args:
+        paths: The files, in the order in which their states are taken, a few milliseconds one after the other.
+        folder: Where the copies are made.
+
+    Raises:
+        sqlite3.Error: A file is damaged, or a copy cannot be written.
+        OSError: A copy cannot be written.
+    """
+    with ExitStack() as stack:
+        sources = [stack.enter_context(closing(_connect_read_only(path))) for path in paths]
+        for source in sources:
+            source.execute("BEGIN")
+            source.execute("SELECT count(*) FROM sqlite_schema").fetchall()  # the state is taken by the first read
+        for path, source in zip(paths, sources, strict=True):
+            target = folder / path.name
+            os.close(open_private(os.fspath(target), os.O_CREAT | os.O_EXCL))
+            with closing(_connect(target)) as copy:
+                source.backup(copy)
+                last = copy.execute(_LAST).fetchall()[0][0] if _counts(copy) else None
+            if last is not None:
+                commits.create(target, last, "the backup was made")
+
+
+def _counts(connection: sqlite3.Connection) -> bool:
+    """Returns whether a file counts its commits: those of earlier versions do not."""
+    return bool(connection.execute("SELECT 1 FROM sqlite_schema WHERE name = 'commits'").fetchall())
+
+
+def _last_in_file(path: Path, default: int) -> int:
+    """Returns the last commit in a file itself, without its log; the default if it cannot be read meanwhile."""
+    try:
+        with closing(_connect_read_only(path, "&immutable=1")) as connection:
+            return int(connection.execute(_LAST).fetchall()[0][0]) if _counts(connection) else 0
+    except sqlite3.Error:
+        return default
+
+
+def _first_in_log(path: Path, page: int) -> int | None:
+    """Returns the first commit in a write-ahead log; None if there is none.
+
+    Args:
+        path: The file.
+        page: Its page with the count of commits.
+    """
+    try:
+        with path.with_name(f"{path.name}-wal").open("rb") as log:
+            header = log.read(32)
+            size = int.from_bytes(header[8:12]) or 1
+            while (frame := log.read(24))[8:16] == header[16:24] and len(frame) == 24:
+                content = log.read(size)
+                if int.from_bytes(frame[:4]) == page and (found := _COUNTED.search(content)):
+                    return int(found[1])
+    except FileNotFoundError:
+        pass
+    return None
 
 
 def _fitting(rows: Iterable[tuple[Any, ...]], room: int) -> Iterator[tuple[Any, ...]]:

@@ -8,27 +8,26 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.database import Database, Schema
+from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import WorldError
 
-_SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);",))
+_SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);", COUNTED))
 
 
 @pytest.fixture
 def database(tmp_path: Path) -> Iterator[Database]:
-    made = Database(tmp_path / "things.db", _SCHEMA, durable=True, lookups=True)
+    made = Database(tmp_path / "things.db", _SCHEMA, lookups=True)
     yield made
     made.close()
 
 
-def _add(database: Database, name: str, *, waits: bool = True) -> None:
-    with database.transaction(waits=waits) as connection:
+def _add(database: Database, name: str) -> None:
+    with database.transaction() as connection:
         connection.execute("INSERT INTO things VALUES (?)", (name,))
 
 
-@pytest.mark.parametrize("waits", [True, False])
-def test_a_reader_sees_only_committed_data(database: Database, waits: bool) -> None:
-    _add(database, "first", waits=waits)
+def test_a_reader_sees_only_committed_data(database: Database) -> None:
+    _add(database, "first")
     with database.transaction() as connection:
         connection.execute("INSERT INTO things VALUES ('second')")
         assert database.looked_up("SELECT name FROM things") == [("first",)]
@@ -42,7 +41,7 @@ def test_a_reader_cannot_write(database: Database) -> None:
 
 def test_a_long_read_does_not_block_writers(database: Database) -> None:
     for number in range(300):
-        _add(database, str(number), waits=False)
+        _add(database, str(number))
     looking = threading.Thread(
         target=database.looked_up, args=("SELECT count(*) FROM things a, things b, things c WHERE a.name < b.name",)
     )
@@ -56,7 +55,7 @@ def test_a_long_read_does_not_block_writers(database: Database) -> None:
 def test_the_log_is_worked_into_the_file_while_it_is_open(database: Database) -> None:
     before = database.path.stat().st_size
     for _ in range(200):
-        _add(database, "x" * 100_000, waits=False)
+        _add(database, "x" * 100_000)
     deadline = time.monotonic() + 20.0
     while database.path.stat().st_size < before + 200 * 100_000:
         assert time.monotonic() < deadline, "it stays in the log"

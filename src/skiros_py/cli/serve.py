@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from skiros_py.station.session import Options
 
 
-_OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm")
+_OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm", "access.db-commits")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from skiros_py.database import Database, Schema
+from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import FileError, StaleVersion, UnknownName
 
 TEMPLATE, SEQUENCE = "template", "sequence"
@@ -32,7 +32,7 @@ UPDATE documents SET kind = 'template' WHERE kind = 'goal template';
 UPDATE revisions SET kind = 'template' WHERE kind = 'goal template';
 """
 
-_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS, _RENAMED))
+_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS, _RENAMED, COUNTED))
 """Application id of such a file: "sksv"."""
 
 _REVISIONS_KEPT = 50
@@ -126,7 +126,7 @@ class DocumentStore:
             StaleVersion: The current version is a different one.
         """
         text = json.dumps(data)
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"{kind} {name}, written") as connection:
             self._check(kind, name, expects)
             ((version,),) = connection.execute("UPDATE versions SET last = last + 1 RETURNING last").fetchall()
             connection.execute(
@@ -145,7 +145,7 @@ class DocumentStore:
         Raises:
             StaleVersion: The current version is not the expected one.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"{kind} {name}, removed") as connection:
             self._check(kind, name, expects)
             gone = connection.execute(
                 "DELETE FROM documents WHERE kind = ? AND name = ? RETURNING version", (kind, name)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from skiros_py.api.server import ApiKey
-from skiros_py.database import Database, Schema
+from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
 from skiros_py.server.access.roles import LOCAL, Role
 
@@ -29,7 +29,7 @@ CREATE TABLE keys (
 CREATE TABLE audit (number INTEGER PRIMARY KEY AUTOINCREMENT, data TEXT NOT NULL);
 """
 
-_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
+_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES, COUNTED))
 """Application id of such a file: "skac"."""
 
 
@@ -41,7 +41,7 @@ def open_access(data: Path) -> Database:
     Raises:
         FileError: It cannot be opened or created, or is damaged.
     """
-    return Database(data / FILE, _SCHEMA, durable=True, shared=True)
+    return Database(data / FILE, _SCHEMA, durable=True)
 
 
 _LONGEST_NAME = 100
@@ -150,7 +150,7 @@ class KeyStore:
         key_id = secrets.token_hex(4)
         text = f"sk_{key_id}_{secrets.token_urlsafe(32)}"
         key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, digest(text))
-        with self._writes.transaction() as connection:
+        with self._writes.transaction(f"key {key.id} for {name}") as connection:
             ((count,),) = connection.execute("SELECT count(*) FROM keys").fetchall()
             if count >= _MOST:
                 connection.execute("DELETE FROM keys WHERE revoked IS NOT NULL OR expires < ?", (time.time(),))
@@ -174,7 +174,7 @@ class KeyStore:
             UnknownName: There is no such key.
             WrongState: It is the last key that can create keys.
         """
-        with self._writes.transaction() as connection:
+        with self._writes.transaction(f"key {key_id}, revoked") as connection:
             keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
             if key_id not in keys:
                 raise UnknownName("key", key_id, list(keys))
@@ -236,7 +236,7 @@ class KeyStore:
         """
         uses, self._uses = self._uses, {}
         if uses:
-            with database.transaction() as connection:
+            with database.transaction("the last use of keys") as connection:
                 connection.executemany("UPDATE keys SET used = ? WHERE id = ?", [(at, key) for key, at in uses.items()])
 
     def _now(self) -> Mapping[str, Key]:

@@ -16,7 +16,7 @@ from pydantic import Field
 from standardwebhooks import Webhook as Signer
 
 from skiros_py.api.webhooks import Delivery, DeliveryState, Webhook
-from skiros_py.database import Database, Schema
+from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import Busy, UnknownName
 from skiros_py.station.jobs.views import Announcement, state_name
 
@@ -82,7 +82,7 @@ CREATE INDEX heads ON deliveries (webhook, next_try, number) WHERE head = 1;
 CREATE INDEX by_state ON deliveries (state, webhook, number);
 """
 
-_SCHEMA = Schema("list of webhooks", "the webhooks of a server", 0x736B7768, (_TABLES,))
+_SCHEMA = Schema("list of webhooks", "the webhooks of a server", 0x736B7768, (_TABLES, COUNTED))
 """Application id of such a file: "skwh"."""
 
 _MOST = 50
@@ -167,7 +167,7 @@ class WebhookStore:
         """
         if len(self.subscriptions) >= _MOST:
             raise Busy(f"there are {_MOST} webhooks, which are the most: remove one first", retry_after=3600.0)
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"webhook {subscription.id}, added") as connection:
             connection.execute(
                 "INSERT INTO subscriptions VALUES (?, ?, ?, 0)", (subscription.id, _data(subscription), seen)
             )
@@ -178,7 +178,7 @@ class WebhookStore:
         Raises:
             UnknownName: There is none with this id.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"webhook {webhook}, changed") as connection:
             changed = self.subscription(webhook).model_copy(update=changes)
             connection.execute("UPDATE subscriptions SET data = ? WHERE id = ?", (_data(changed), webhook))
         return changed
@@ -190,7 +190,7 @@ class WebhookStore:
             UnknownName: There is none with this id.
         """
         self.subscription(webhook)
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"webhook {webhook}, removed") as connection:
             connection.execute("DELETE FROM subscriptions WHERE id = ?", (webhook,))
             connection.execute("DELETE FROM deliveries WHERE webhook = ?", (webhook,))
 
@@ -209,7 +209,7 @@ class WebhookStore:
             announcements: In order.
             tell: Returns the data of a message.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"messages about {len(announcements)} announcements") as connection:
             rows = connection.execute("SELECT data, seen, last FROM subscriptions").fetchall()
             for data, seen, last in rows:
                 subscription, number = Subscription.model_validate_json(data), int(last)
@@ -238,7 +238,7 @@ class WebhookStore:
             UnknownName: There is no such webhook.
         """
         self.subscription(webhook)
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"webhook {webhook}: a ping") as connection:
             ((number,),) = connection.execute(
                 "UPDATE subscriptions SET last = last + 1 WHERE id = ? RETURNING last", (webhook,)
             ).fetchall()
@@ -271,7 +271,9 @@ class WebhookStore:
         self, post: Post, state: DeliveryState, *, next_try: float = 0.0, status: int | None = None, error: str = ""
     ) -> None:
         """Stores the result of an attempt."""
-        with self._database.transaction() as connection:
+        with self._database.transaction(
+            f"webhook {post.webhook}: message {post.number} is {state.value}"
+        ) as connection:
             connection.execute(
                 "UPDATE deliveries SET state = ?, attempts = attempts + 1, next_try = ?, status = ?, error = ?"
                 " WHERE webhook = ? AND number = ?",
@@ -287,7 +289,7 @@ class WebhookStore:
 
     def drop_oldest(self) -> int:
         """Makes the oldest messages beyond the limit dead letters; returns their number."""
-        with self._database.transaction() as connection:
+        with self._database.transaction("messages beyond the limit") as connection:
             dropped = connection.execute(
                 "UPDATE deliveries SET state = 'dead', error = 'too many were waiting'"
                 " WHERE state = 'pending' AND number <= (SELECT last FROM subscriptions WHERE id = webhook) - ?"
@@ -309,7 +311,7 @@ class WebhookStore:
         Raises:
             UnknownName: There is no such dead letter.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"webhook {webhook}: message {number} is sent again") as connection:
             changed = connection.execute(
                 "UPDATE deliveries SET state = 'pending', next_try = 0, attempts = 0, since = ?, error = ''"
                 " WHERE webhook = ? AND number = ? AND state = 'dead' RETURNING job",

@@ -133,7 +133,7 @@ class JobStore:
         Raises:
             DiskFault: The disk still cannot be written.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction("a trial") as connection:
             connection.execute("UPDATE numbers SET last = last")
         self.sync()
 
@@ -248,7 +248,7 @@ class JobStore:
         Returns:
             The job with its number and version.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job.id}, ordered") as connection:
             sql = "UPDATE numbers SET last = last + 1 RETURNING last, version"
             ((number, version),) = connection.execute(sql).fetchall()
             numbered = job.model_copy(update={"number": int(number), "version": int(version) + 1})
@@ -265,7 +265,7 @@ class JobStore:
             trigger: What led to its state, where that changed.
             comment: Why.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job.id}: {trigger.value if trigger else job.state.name}") as connection:
             _write(connection, job, trigger, comment)
 
     def forget(self, job: Job, why: str) -> None:
@@ -276,7 +276,7 @@ class JobStore:
             why: What is announced.
         """
         data = job.model_dump_json()
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job.id}, {why}") as connection:
             connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
             connection.execute("UPDATE numbers SET version = max(version, ?)", (job.version,))
             for table in ("transitions", "intents", "trace"):
@@ -310,7 +310,7 @@ class JobStore:
 
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
         """Records that a request led to an existing job."""
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"a repeated order of job {job.id}") as connection:
             _keep_receipt(connection, receipt, job.id, wall)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
@@ -336,14 +336,14 @@ class JobStore:
         Args:
             upto: Number of the last one of them.
         """
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"announcements up to {upto}, delivered") as connection:
             connection.execute("DELETE FROM announcements WHERE number <= ?", (upto,))
 
     # ------------------------------------------------------------------ steps, state changes, trace
 
     def intend(self, job: str, skill: str, arguments: Mapping[str, str]) -> int:
         """Records that a step is about to start, and returns its number in the job."""
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job}: step {skill} starts") as connection:
             ((last,),) = connection.execute(
                 "SELECT coalesce(max(number), 0) FROM intents WHERE job = ?", (job,)
             ).fetchall()
@@ -357,7 +357,7 @@ class JobStore:
         if number not in known:
             raise UnknownName("step", str(number), [str(n) for n in known], where=f"of job '{job}'")
         text = known[number].model_copy(update={"ended": ended}).model_dump_json()
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job}: step {number} ended") as connection:
             connection.execute("UPDATE intents SET data = ? WHERE job = ? AND number = ?", (text, job, number))
 
     def intents(self, job: str) -> tuple[Intent, ...]:
@@ -372,7 +372,7 @@ class JobStore:
 
     def add_trace(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
         """Adds to a job's trace."""
-        with self._database.transaction() as connection:
+        with self._database.transaction(f"job {job}: trace") as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
 
     def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[dict[str, Any], ...]:

@@ -146,7 +146,7 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
             learned = LearnedFile(path / "learned.ttl")
             made: tuple[Path, ...] = ()
             if journal.version == 0:
-                made = (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm")),)
+                made = (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm", "-commits")),)
                 made += () if learned.path.exists() else (learned.path,)
                 fresh = World(ontology, reasoners=reasoners)
                 if scene is not None:

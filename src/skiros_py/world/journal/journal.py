@@ -120,7 +120,7 @@ class Journal:
             )
         with self._database.reading():
             unsure, self._unsure = self._unsure, True
-            with self._database.transaction() as connection:
+            with self._database.transaction(_shown((*self._waiting, *changes))) as connection:
                 if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
                     delete(connection, "number > ?", self.version - len(self._waiting))
                 for change in (*self._waiting, *changes):
@@ -291,7 +291,7 @@ class Journal:
             version = state.version
             if version < self._snapshot_version:
                 return
-            with self._database.transaction() as connection:
+            with self._database.transaction(f"a snapshot of version {version}") as connection:
                 connection.execute("DELETE FROM snapshot")
                 rows = ((part, version, *texts) for part, texts in enumerate(snapshot_pieces(state)))
                 connection.executemany("INSERT INTO snapshot VALUES (?, ?, ?, ?)", rows)
@@ -333,3 +333,10 @@ class Journal:
             except (ValueError, IndexError) as error:
                 reason = f"the file is damaged: piece {part} of the snapshot cannot be understood: {error}"
                 raise FileError(self._database.path, reason) from None
+
+
+def _shown(changes: Sequence[Change]) -> str:
+    """Returns changes in words, for people."""
+    if len(changes) > 1:
+        return f"changes {changes[0].number} to {changes[-1].number}"
+    return "".join(f"change {one.number} by {one.author}: {one.reason}" for one in changes)

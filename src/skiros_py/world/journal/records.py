@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType, NoneType
 from typing import Any, get_args
 
-from skiros_py.database import Database, Schema
+from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 from skiros_py.world.change import (
@@ -70,7 +70,7 @@ INSERT OR IGNORE INTO marks SELECT '', number FROM edits WHERE json_extract(edit
 DROP VIEW edits;
 """
 
-SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS))
+SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS, COUNTED))
 """The schema; its files have the application id "skij"."""
 
 

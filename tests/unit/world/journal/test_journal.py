@@ -385,7 +385,7 @@ def test_a_file_of_a_later_version_is_refused(tmp_path: Path) -> None:
     with closing(sqlite3.connect(path)) as connection:
         connection.execute("PRAGMA user_version = 99")
 
-    with pytest.raises(FileError, match=r"version 99.*supports versions up to 2.*a later one"):
+    with pytest.raises(FileError, match=r"version 99.*supports versions up to 3.*a later one"):
         Journal(path)
 
 
