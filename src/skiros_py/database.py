@@ -42,15 +42,11 @@ _WORDS = (
     ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
     ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
 )
-_COUNTED = re.compile(rb"skiros-commit (\d{16})")
-COUNTED = """
-CREATE TABLE commits (last TEXT NOT NULL);
-INSERT INTO commits VALUES ('skiros-commit 0000000000000000');
-"""
-"""The migration that counts commits; each schema has it. The count has a fixed length, so that it is found in pages."""
-_NUMBER = "CAST(substr(last, 15) AS INT)"
-_COUNT = f"UPDATE commits SET last = printf('skiros-commit %016d', {_NUMBER} + 1) RETURNING {_NUMBER}"
-_LAST = f"SELECT {_NUMBER} FROM commits"
+_ZERO = int.from_bytes(b"SKC".ljust(8, b"\0"))
+"""The count of commits begins there: so large, it is stored in a fixed length, after three letters."""
+_COUNTED = re.compile(rb"SKC(.{5})", re.DOTALL)
+COUNTED = f"CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES ({_ZERO});"
+"""The migration that counts commits; each schema has it."""
 _DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
 """Errors of the disk, which may end."""
 
@@ -170,7 +166,7 @@ class Database:
                 pages = _PAGES_BETWEEN_CHECKPOINTS if durable else _PAGES_AT_MOST
                 _run(self._connection, f"wal_autocheckpoint = {pages}")
                 schema.upgrade(self._connection)
-                ((self._committed,),) = self._connection.execute(_LAST).fetchall()
+                self._committed = _last(self._connection)
                 if not commits.exists(path):
                     commits.create(path, self._committed, "the file was opened")
                 self._notes = CommitLog(path)
@@ -206,10 +202,11 @@ class Database:
             self._writes = [what]
             with _committing(connection):
                 yield connection
-                ((number,),) = connection.execute(_COUNT).fetchall()
-            self._committed = number
+                connection.execute("UPDATE commits SET last = last + 1")  # RETURNING would take ten times as long
+                committed = _last(connection)
+            self._committed = committed
             if self._notes is not None:
-                self._notes.note(number, ", ".join(filter(None, self._writes)), synced=self._durable)
+                self._notes.note(committed, ", ".join(filter(None, self._writes)), synced=self._durable)
             if not self._unsafe:
                 self.fault = None
 
@@ -451,7 +448,7 @@ def find_loss(path: Path, schema: Schema | None = None) -> commits.Loss | None:
             schema.check(connection, path)
         if not _counts(connection):
             return None  # of an earlier version
-        ((last,),) = connection.execute(_LAST).fetchall()
+        last = _last(connection)
         ((root,),) = connection.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'commits'").fetchall()
     first = _first_in_log(path, root)
     if first is not None and _last_in_file(path, first) < first - 1 < last:
@@ -487,7 +484,7 @@ def _give_up(loss: commits.Loss) -> None:
     with suppress(FileNotFoundError):
         shutil.copy2(log, log.with_name(f"{log.name}.kept"))
     with closing(_connect(loss.path)) as connection:
-        connection.execute("UPDATE commits SET last = printf('skiros-commit %016d', ?)", (loss.last,))
+        connection.execute("UPDATE commits SET last = ?", (_ZERO + loss.last,))
         _run(connection, "wal_checkpoint(TRUNCATE)")
     commits.create(loss.path, loss.last, "missing writes were given up")
 
@@ -534,9 +531,8 @@ def back_up(paths: Sequence[Path], folder: Path) -> None:
             os.close(open_private(os.fspath(target), os.O_CREAT | os.O_EXCL))
             with closing(_connect(target)) as copy:
                 source.backup(copy)
-                last = copy.execute(_LAST).fetchall()[0][0] if _counts(copy) else None
-            if last is not None:
-                commits.create(target, last, "the backup was made")
+                if _counts(copy):
+                    commits.create(target, _last(copy), "the backup was made")
 
 
 def _counts(connection: sqlite3.Connection) -> bool:
@@ -544,11 +540,17 @@ def _counts(connection: sqlite3.Connection) -> bool:
     return bool(connection.execute("SELECT 1 FROM sqlite_schema WHERE name = 'commits'").fetchall())
 
 
+def _last(connection: sqlite3.Connection) -> int:
+    """Returns the number of the last commit."""
+    ((last,),) = connection.execute("SELECT last FROM commits").fetchall()
+    return int(last) - _ZERO
+
+
 def _last_in_file(path: Path, default: int) -> int:
     """Returns the last commit in a file itself, without its log; the default if it cannot be read meanwhile."""
     try:
         with closing(_connect_read_only(path, "&immutable=1")) as connection:
-            return int(connection.execute(_LAST).fetchall()[0][0]) if _counts(connection) else 0
+            return _last(connection) if _counts(connection) else 0
     except sqlite3.Error:
         return default
 
@@ -567,7 +569,7 @@ def _first_in_log(path: Path, page: int) -> int | None:
             while (frame := log.read(24))[8:16] == header[16:24] and len(frame) == 24:
                 content = log.read(size)
                 if int.from_bytes(frame[:4]) == page and (found := _COUNTED.search(content)):
-                    return int(found[1])
+                    return int.from_bytes(found[1])
     except FileNotFoundError:
         pass
     return None

@@ -249,8 +249,8 @@ class JobStore:
             The job with its number and version.
         """
         with self._database.transaction(f"job {job.id}, ordered") as connection:
-            sql = "UPDATE numbers SET last = last + 1 RETURNING last, version"
-            ((number, version),) = connection.execute(sql).fetchall()
+            connection.execute("UPDATE numbers SET last = last + 1")
+            ((number, version),) = connection.execute("SELECT last, version FROM numbers").fetchall()
             numbered = job.model_copy(update={"number": int(number), "version": int(version) + 1})
             _write(connection, numbered, trigger, comment)
             if receipt is not None:
@@ -424,9 +424,9 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
 
 def _announce(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
     values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
-    sql = "INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?) RETURNING number"
-    ((number,),) = connection.execute(sql, values).fetchall()
-    connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))
+    sql = "INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)"
+    number = connection.execute(sql, values).lastrowid
+    connection.execute("DELETE FROM announcements WHERE number <= ? - ?", (number, MOST_ANNOUNCEMENTS))
 
 
 def _keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
