@@ -45,7 +45,7 @@ _WORDS = (
 _ZERO = int.from_bytes(b"SKC".ljust(8, b"\0"))
 """The count of commits begins there: so large, it is stored in a fixed length, after three letters."""
 _COUNTED = re.compile(rb"SKC(.{5})", re.DOTALL)
-COUNTED = f"CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES ({_ZERO});"
+COUNTED = "CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES (0x534b430000000000);"
 """The migration that counts commits; each schema has it."""
 _DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
 """Errors of the disk, which may end."""
@@ -425,7 +425,8 @@ def _check_complete(path: Path, schema: Schema) -> None:
         return
     if not loss.power_cut:
         raise LostCommits(loss)
-    _log.warning("%s %s\nthe machine went down before they were on the disk", path, loss)
+    for line in f"{loss}\nthe machine went down before they were on the disk".splitlines():
+        _log.warning("%s: %s", path.name, line.strip())
     _give_up(loss)
 
 
@@ -489,25 +490,65 @@ def _give_up(loss: commits.Loss) -> None:
     commits.create(loss.path, loss.last, "missing writes were given up")
 
 
-def check_integrity(path: Path) -> list[str]:
-    """Returns what is wrong with the pages and indexes of a file, which is not changed and may be in use.
+class DatabaseFile:
+    """A file that is only read, and may be in use. Close it.
+
+    Args:
+        path: The file.
+
+    Attributes:
+        path: The file.
 
     Raises:
-        sqlite3.Error: The file cannot be read.
+        FileError: It cannot be opened.
     """
-    with closing(_connect_read_only(path)) as connection:
-        found = [text for (text,) in connection.execute("PRAGMA integrity_check(20)").fetchall()]
-    return [] if found == ["ok"] else found
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with _read_faults(path):
+            self._connection = _connect_read_only(path)
+            self._connection.execute("BEGIN")  # all queries see one state
+
+    def rows(self, sql: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
+        """Returns the rows of a query.
+
+        Raises:
+            FileError: The file is damaged or cannot be read.
+        """
+        with _read_faults(self.path):
+            return self._connection.execute(sql, values).fetchall()
+
+    def faults(self) -> Iterator[str]:
+        """Yields what is wrong with pages, indexes, the texts that should be JSON, and the notes of commits.
+
+        Raises:
+            FileError: The file cannot be read.
+            OSError: The notes cannot be read.
+        """
+        if unreadable := commits.damaged(self.path) if commits.exists(self.path) else 0:
+            yield f"{unreadable} notes of commits are damaged; they are replaced by later ones"
+        found = [text for (text,) in self.rows("PRAGMA integrity_check(20)")]
+        yield from () if found == ["ok"] else found
+        sql = (
+            "SELECT tables.name, columns.name FROM sqlite_schema AS tables, pragma_table_info(tables.name) AS columns"
+            " WHERE tables.type = 'table' AND columns.name IN ('data', 'edits', 'stamps')"
+        )
+        for table, column in self.rows(sql):
+            broken = self.rows(f"SELECT count(*) FROM {table} WHERE NOT json_valid({column})")  # noqa: S608 - our names
+            if broken != [(0,)]:
+                yield f"{broken[0][0]} rows of the table {table} cannot be read"
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._connection.close()
 
 
-def read_rows(path: Path, sql: str, values: Sequence[object] = ()) -> Iterator[tuple[Any, ...]]:
-    """Yields the rows of a query of a file, which is not changed and may be in use.
-
-    Raises:
-        sqlite3.Error: The file cannot be read.
-    """
-    with closing(_connect_read_only(path)) as connection:
-        yield from connection.execute(sql, values)
+@contextmanager
+def _read_faults(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise FileError(path, f"the file is damaged, or cannot be read ({error})") from error
 
 
 def back_up(paths: Sequence[Path], folder: Path) -> None:

@@ -107,6 +107,10 @@ class AuditRecord(Answer):
     """Id of the job; empty if it was not about one."""
     comment: str = Field(examples=["wrong kit"])
     """Comment by the caller."""
+    count: int = Field(default=1, examples=[1])
+    """Number of requests: further refusals of the caller within a minute are counted; the last is shown."""
+    previous: str = Field(default="", examples=["9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"])
+    """SHA-256 of the record before, as exported; empty for the first one."""
 
 
 AuditPage = Page[AuditRecord]

@@ -16,8 +16,8 @@ from typing import Any
 import click
 
 from skiros_py.cli.options import JSON, data_option
-from skiros_py.cli.output import NOT_REACHED, REACHED, answer, escaped
-from skiros_py.errors import FileError, SkirosError, UnknownName, without_wheels
+from skiros_py.cli.output import NOT_REACHED, REACHED, answer
+from skiros_py.errors import FileError, SkirosError, UnknownName, escaped, without_wheels
 from skiros_py.system import (
     EXTRAS,
     check_display,

@@ -16,7 +16,8 @@ from pathlib import Path
 
 import click
 
-from skiros_py.cli.output import answer, brief, escaped
+from skiros_py.cli.output import answer, brief
+from skiros_py.errors import escaped
 from skiros_py.interruptions import UserStop
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

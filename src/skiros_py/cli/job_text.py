@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, console, escaped, table_lines
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, console, table_lines
+from skiros_py.errors import escaped
 
 if TYPE_CHECKING:
     from skiros_py.api.jobs import Job, JobPlan, JobStep, JobTransition

@@ -14,8 +14,7 @@ import click
 
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import DATA
-from skiros_py.cli.output import escaped
-from skiros_py.errors import FileError
+from skiros_py.errors import FileError, escaped
 from skiros_py.system import require_extra
 
 if TYPE_CHECKING:

@@ -32,6 +32,7 @@ _COMMANDS = {
     "skills": ("skills", "List the installed skills, primitives and conditions."),
     "plugins": ("plugins", "List the installed plug-ins and their faults."),
     "check-plugin": ("check_plugin", "Check plug-ins against the rules, and test their skills."),
+    "data": ("data", "Back up and check a data directory; export its audit log."),
     "key": ("key", "Create, list and revoke keys of a server."),
     "doctor": ("doctor", "Check this environment: what is installed, what is missing, how to fix it."),
     "module": ("module", "Run single skills and primitives; show which conditions hold, and why not."),

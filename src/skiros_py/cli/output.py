@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
+from skiros_py.errors import escaped
+
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleRenderable
 
@@ -34,14 +36,6 @@ _NARROWEST = 12
 """Width of the columns of a table for which it is readable."""
 _STACKS = ('\n  File "', "\nTraceback (most recent call last):")
 """How stacks begin that follow a text."""
-
-
-def escaped(text: str) -> str:
-    r"""Returns a line in which everything that cannot be printed is written out, as in ``\x1b`` or ``\n``.
-
-    Labels, authors and reasons come from anywhere; what they say must not steer the terminal or look like more lines.
-    """
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def brief(text: str) -> str:

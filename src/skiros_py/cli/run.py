@@ -18,8 +18,8 @@ from rich.text import Text
 
 from skiros_py.cli.ending import STOPS, end_unless, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.cli.options import ASK, GUI, PLANNER, SKILLS, cell_options, data_option
-from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer, console, escaped, table_lines
-from skiros_py.errors import UsageError
+from skiros_py.cli.output import NO_PLAN, NOT_REACHED, REACHED, STOPPED, answer, console, table_lines
+from skiros_py.errors import UsageError, escaped
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.service import Planned

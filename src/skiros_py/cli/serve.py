@@ -16,8 +16,8 @@ import click
 
 from skiros_py.cli.ending import STOPS, end_now, end_unless, no_warnings_on_stderr
 from skiros_py.cli.options import JSON, PLANNER, SKILLS, cell_options, data_option
-from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer, escaped
-from skiros_py.errors import FileError, SkirosError, UsageError
+from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, answer
+from skiros_py.errors import FileError, SkirosError, UsageError, escaped
 from skiros_py.interruptions import UserStop
 from skiros_py.system import require_extra
 

@@ -8,7 +8,7 @@ import click
 
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.output import escaped
+from skiros_py.errors import escaped
 from skiros_py.plugins.plugin import by_cause
 from skiros_py.skills.behaviour import lines
 from skiros_py.skills.skill import SkillDescription

@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import sys
 import threading
+import traceback
 from collections import Counter as Counts
 from collections.abc import Iterable, MutableMapping
 from contextvars import ContextVar
@@ -19,6 +20,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 from starlette.requests import Request
 
+from skiros_py.errors import escaped
 from skiros_py.station.control import ControlThread
 from skiros_py.station.events.log import Event, EventLog, Kind
 from skiros_py.station.jobs.views import state_name
@@ -47,10 +49,9 @@ def log_to(stream: TextIO = sys.stderr, *, form: LogForm = "console", level: int
         structlog.processors.TimeStamper(fmt="iso", utc=True),
         _with_request,
     ]
+    console = structlog.dev.ConsoleRenderer(colors=stream.isatty(), exception_formatter=_write_traceback)
     last: list[structlog.types.Processor] = (
-        [_TRACEBACKS, structlog.processors.JSONRenderer()]
-        if form == "json"
-        else [structlog.dev.ConsoleRenderer(colors=stream.isatty(), exception_formatter=structlog.dev.plain_traceback)]
+        [_TRACEBACKS, structlog.processors.JSONRenderer()] if form == "json" else [_escaped, console]
     )
     formatter = structlog.stdlib.ProcessorFormatter(
         foreign_pre_chain=shared, processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, *last]
@@ -82,6 +83,26 @@ def _with_request(
     for twice in ("color_message", "message", "asctime"):  # added by uvicorn, and by other handlers of the same record
         entry.pop(twice, None)
     return {**entry, "request": request} if request else entry
+
+
+def _escaped(
+    _logger: Any, _name: str, entry: MutableMapping[str, Any]
+) -> MutableMapping[str, Any]:  # structlog's signature
+    """Escapes all texts of a record, which come from anywhere: they must not look like more records."""
+    kept = {name: entry.pop(name) for name in ("exc_info", "exception") if name in entry}
+    if "stack" in entry:
+        kept["stack"] = _indented(entry.pop("stack"))
+    texts = {escaped(name): escaped(value if isinstance(value, str) else repr(value)) for name, value in entry.items()}
+    return {**texts, **kept}
+
+
+def _write_traceback(stream: TextIO, error: structlog.typing.ExcInfo) -> None:
+    """Writes a traceback below its record; no line of it begins like a record."""
+    stream.write("\n" + _indented("".join(traceback.format_exception(*error))))
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"  {escaped(line)}" for line in text.splitlines())
 
 
 def job_events_logged(events: EventLog) -> None:

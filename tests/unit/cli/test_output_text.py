@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.cli import output
-from skiros_py.cli.output import escaped, table_lines
+from skiros_py.cli.output import table_lines
+from skiros_py.errors import escaped
 
 
 @given(st.text())

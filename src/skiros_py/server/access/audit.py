@@ -1,19 +1,26 @@
-"""The audit log: who changed what, when and from where, and which requests were refused."""
+"""The audit log: who changed what, when and from where, and which requests were refused.
+
+Each record is a line of JSON that holds the SHA-256 of the line before: changed and removed records are noticed.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 import threading
+import time
 from collections import deque
-from collections.abc import Callable, Mapping
-from typing import Any
-
-from fastapi import Request
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.server import AuditRecord
-from skiros_py.database import Database
+from skiros_py.database import Database, DatabaseFile
 from skiros_py.errors import DiskFault, SkirosError
+
+if TYPE_CHECKING:
+    from fastapi import Request
 
 _log = logging.getLogger(__name__)
 
@@ -27,6 +34,21 @@ _PAUSE = 0.5
 """Time during which entries are collected before they are written together [s]."""
 _IDLE = 10.0
 """Period of the additional work, see ``besides`` [s]."""
+_MINUTE = 60.0
+_LISTED = 5
+_LISTED_OF_ALL = 300
+"""Refusals per minute that are listed one by one, of one caller and of all; further ones are only counted."""
+_PAGE = 1000
+
+
+@dataclass(slots=True)
+class _Refusals:
+    """The refusals of one caller with one status in one minute: how many, and how many more than are listed."""
+
+    since: float
+    number: int = 0
+    unlisted: int = 0
+    last: Mapping[str, Any] | None = None
 
 
 def note(request: Request, *, job: str = "", comment: str = "") -> None:
@@ -52,6 +74,8 @@ class AuditLog:
         self._database = database
         self._besides = besides
         self._entries: deque[Mapping[str, Any]] = deque(maxlen=_WAITING)
+        self._refusals: dict[tuple[str, int], _Refusals] = {}
+        self._counting = threading.Lock()
         self._writing = threading.Lock()
         self._asked = threading.Event()
         self._ending = threading.Event()
@@ -71,6 +95,37 @@ class AuditLog:
         self._entries.append(entry)
         self._asked.set()
 
+    def append_refusal(self, who: str, entry: Mapping[str, Any]) -> None:
+        """Queues an entry about a refused request; after some of one caller in a minute, they are only counted.
+
+        One entry with their number follows then, with the details of the last one.
+
+        Args:
+            who: The key or the network of the caller.
+            entry: As for :meth:`append`.
+        """
+        now = time.monotonic()
+        with self._counting:
+            listed = sum(one.number - one.unlisted for one in self._refusals.values())
+            if listed >= _LISTED_OF_ALL and (who, entry["status"]) not in self._refusals:
+                who, entry = "", {**entry, **dict.fromkeys(("caller", "role", "key", "address"), "")}
+            refusals = self._refusals.setdefault((who, entry["status"]), _Refusals(now))
+            refusals.number += 1
+            if refusals.number <= _LISTED and listed < _LISTED_OF_ALL:
+                self.append(entry)
+            else:
+                refusals.unlisted, refusals.last = refusals.unlisted + 1, entry
+
+    def _count_refusals(self, *, all_: bool = False) -> None:
+        """Queues the entries with the numbers of refusals whose minute is over."""
+        end = float("inf") if all_ else time.monotonic() - _MINUTE
+        with self._counting:
+            over = [(who, one) for who, one in self._refusals.items() if one.since <= end]
+            for who, one in over:
+                del self._refusals[who]
+                if one.last is not None:
+                    self.append({**one.last, "count": one.unlisted})
+
     def page(self, before: int | None = None, limit: int = 100) -> list[AuditRecord]:
         """Returns entries, newest first.
 
@@ -83,8 +138,13 @@ class AuditLog:
         rows = self._database.rows(
             "SELECT number, data FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?", (end, limit)
         )
-        read = ((number, json.loads(data)) for number, data in rows)
-        return [AuditRecord(number=number, at=entry.pop("wall"), **entry) for number, entry in read]
+        read = (json.loads(data) | {"number": number} for number, data in rows)
+        return [AuditRecord(at=entry.pop("wall"), **entry) for entry in read]
+
+    def lines(self) -> Iterator[str]:
+        """Yields all records as lines of JSON, oldest first."""
+        self._write()
+        yield from exported(self._database)
 
     def close(self) -> None:
         """Writes the queued entries and closes the file; may be called twice."""
@@ -94,6 +154,7 @@ class AuditLog:
         self._asked.set()
         if self._thread.ident is not None:
             self._thread.join()
+        self._count_refusals(all_=True)
         self._keep()
         self._database.close()
 
@@ -106,6 +167,7 @@ class AuditLog:
 
     def _keep(self) -> None:
         try:
+            self._count_refusals()
             self._write()
             self._besides(self._database)
         except SkirosError as error:
@@ -114,11 +176,73 @@ class AuditLog:
     def _write(self) -> None:
         with self._writing:
             while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
-                rows = [(json.dumps(entry),) for entry in batch]
                 try:
-                    with self._database.transaction() as connection:
-                        connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
+                    with self._database.transaction(f"{len(batch)} records of the audit log") as connection:
+                        ((number, last),) = connection.execute("SELECT last, hash FROM audit_chain").fetchall()
+                        for entry in batch:
+                            number += 1
+                            line = json.dumps({"number": number, **entry, "previous": last})
+                            last = _hash(line)
+                            connection.execute("INSERT INTO audit (number, data) VALUES (?, ?)", (number, line))
+                        connection.execute("UPDATE audit_chain SET last = ?, hash = ?", (number, last))
                         connection.execute(_FORGET, (_KEPT,))
                 except DiskFault:
                     self._entries.extendleft(reversed(batch))  # they are written later
                     raise
+
+
+def exported(database: Database | DatabaseFile) -> Iterator[str]:
+    """Yields all records of an audit log as lines of JSON, oldest first; each holds the SHA-256 of the line before.
+
+    Args:
+        database: The file of keys.
+    """
+    for _, line in _stored(database):
+        yield line
+
+
+def broken_link(database: Database | DatabaseFile) -> str:
+    """Returns which record of an audit log was the first to be changed or removed; empty if none was.
+
+    Records of older versions of this program, which hold no hash, are not checked.
+
+    Args:
+        database: The file of keys.
+    """
+    if not database.rows("SELECT 1 FROM sqlite_schema WHERE name = 'audit_chain'"):
+        return ""
+    ((begins, last, final),) = database.rows("SELECT begins, last, hash FROM audit_chain")
+    due, hash_before = max(begins, last - _KEPT + 1), ""
+    for number, line in _stored(database, begins):
+        if number > due:
+            return f"record {due} was removed"
+        entry = _decoded(line)
+        if hash_before and entry.get("previous") != hash_before:
+            return f"record {number - 1} was changed, or the hash of it in record {number}"
+        if entry.get("number") != number:
+            return f"record {number} was changed"
+        due, hash_before = number + 1, _hash(line)
+    if due <= last:
+        return f"record {due} was removed"
+    return "" if hash_before in (final, "") else f"record {last} was changed"
+
+
+def _decoded(line: str) -> dict[str, Any]:
+    try:
+        entry = json.loads(line)
+    except ValueError:
+        return {}
+    return entry if isinstance(entry, dict) else {}
+
+
+def _stored(database: Database | DatabaseFile, first: int = 0) -> Iterator[tuple[int, str]]:
+    """Yields number and text of the records from a number on."""
+    while rows := database.rows(
+        "SELECT number, data FROM audit WHERE number >= ? ORDER BY number LIMIT ?", (first, _PAGE)
+    ):
+        yield from rows
+        first = rows[-1][0] + 1
+
+
+def _hash(line: str) -> str:
+    return hashlib.sha256(line.encode()).hexdigest()

@@ -279,9 +279,6 @@ _LONGEST_URL = 8 << 10
 _LONGEST_HEADERS = 32 << 10
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _KEY_IN_URL = re.compile(rb"(?:^|&)(?:x-)?(?:api[_-]?key|access_token|authorization)=", re.IGNORECASE)
-_REFUSALS = 30
-_REFUSALS_OF_ALL = 300
-"""Refusals recorded in the audit log per minute, of one address and of all: refusals must not fill it."""
 _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -306,8 +303,6 @@ class Gate:
         self._services = services
         self._origins = OriginPolicy(services.settings)
         self._rates = Rates(services.settings.rate, 1.0)
-        self._refusals = Rates(_REFUSALS, 60.0)
-        self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
         self._requests = Slots("requests", services.settings.requests, services.settings.requests)
         self._logins = Slots("logins", _LOGINS, _LOGINS_OF_ONE)
 
@@ -380,13 +375,14 @@ class Gate:
             raise Problem(429, "TooManyRequests", detail, headers={"Retry-After": "1"})
 
     def _keep(self, request: Request, status: int) -> None:
-        """Records requests that changed something, and those refused, in the audit log."""
-        changed = request.method not in SAFE and request.state.caller is not _NOBODY and status != 429
-        if changed or (status in _REFUSED and self._may_fill_log(_address(request.scope))):
+        """Records requests that were to change something, and those refused, in the audit log."""
+        caller = request.state.caller
+        changes = request.method not in SAFE and caller is not _NOBODY
+        if status in _REFUSED or (changes and status >= 400):
+            who = caller.key or caller.name or network_of(_address(request.scope))
+            self._services.audit.append_refusal(who, _entry(request, status))
+        elif changes:
             self._services.audit.append(_entry(request, status))
-
-    def _may_fill_log(self, address: str) -> bool:
-        return self._refusals.take(network_of(address)) and self._refusals_of_all.take("")
 
 
 _REFUSED = frozenset({400, 401, 403, 429})

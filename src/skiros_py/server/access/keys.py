@@ -29,7 +29,14 @@ CREATE TABLE keys (
 CREATE TABLE audit (number INTEGER PRIMARY KEY AUTOINCREMENT, data TEXT NOT NULL);
 """
 
-_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES, COUNTED))
+_CHAIN = """
+CREATE TABLE audit_chain (begins INTEGER NOT NULL, last INTEGER NOT NULL, hash TEXT NOT NULL);
+INSERT INTO audit_chain SELECT coalesce(max(seq), 0) + 1, coalesce(max(seq), 0), '' FROM sqlite_sequence
+    WHERE name = 'audit';
+"""
+"""First and last number of the audit records that hold the hash of the one before, and the hash of the last one."""
+
+_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES, COUNTED, _CHAIN))
 """Application id of such a file: "skac"."""
 
 

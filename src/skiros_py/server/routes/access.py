@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from urllib.parse import urlsplit
 
 from fastapi import Path, Query, Request, Response
+from fastapi.responses import StreamingResponse
 
 from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
@@ -27,10 +28,25 @@ def list_audit(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> AuditPa
 
     Lists requests that changed something or were refused, newest first. The last 100,000 are kept.
 
-    Keys and bodies are never recorded. At most 30 refusals per minute are recorded for one address.
+    Keys and bodies are never recorded. After the first five refusals of a caller in a minute, further ones are counted
+    in one record.
     """
     entries = act.services.audit.page(int(cursor) if cursor is not None else None, limit)
     return AuditPage(items=entries, next=str(entries[-1].number) if len(entries) == limit else None)
+
+
+@router.get(
+    "/export",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"application/jsonl": {"schema": {"type": "string"}}}}},
+)
+def export_audit(act: Admin) -> StreamingResponse:
+    """Export the audit log.
+
+    Returns all records as JSON Lines, oldest first. Each line holds the SHA-256 of the line before as `previous`.
+    """
+    lines = (f"{line}\n" for line in act.services.audit.lines())
+    return StreamingResponse(lines, media_type="application/jsonl")
 
 
 keys_router = topic_router("access", "/keys")

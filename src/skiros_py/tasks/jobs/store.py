@@ -6,16 +6,16 @@ import json
 import logging
 import sqlite3
 import threading
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from skiros_py.database import Database
+from skiros_py.database import Database, DatabaseFile
 from skiros_py.errors import DiskFault, FileError, KeyReused, UnknownName
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Transition, Trigger
 from skiros_py.tasks.jobs.schema import SCHEMA
@@ -407,6 +407,29 @@ class JobStore:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
             raise FileError(self._path, f"a job in it cannot be read: {where}: {first['msg']}") from error
+
+
+_MODELS: Mapping[str, type[BaseModel]] = {
+    "jobs": Job,
+    "announcements": Job,
+    "removed": Job,
+    "transitions": Transition,
+    "intents": Intent,
+}
+
+
+def unreadable_jobs(file: DatabaseFile) -> Iterator[str]:
+    """Yields what in a file of jobs cannot be understood.
+
+    Raises:
+        FileError: The file cannot be read.
+    """
+    for table, model in _MODELS.items():
+        for row, data in file.rows(f"SELECT row_number() OVER (), data FROM {table}"):  # noqa: S608 - our own names
+            try:
+                model.model_validate_json(data)
+            except ValidationError as error:
+                yield f"row {row} of the table {table} cannot be understood: {error.errors()[0]['msg']}"
 
 
 def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType, NoneType
 from typing import Any, get_args
 
-from skiros_py.database import COUNTED, Database, Schema
+from skiros_py.database import COUNTED, Database, DatabaseFile, Schema
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 from skiros_py.world.change import (
@@ -234,7 +234,9 @@ def delete(connection: sqlite3.Connection, condition: str, number: int) -> None:
         connection.execute(f"DELETE FROM {table} WHERE {condition}", (number,))  # noqa: S608  all ours
 
 
-def select(database: Database, condition: str, values: Sequence[object] = (), *, whole: bool = True) -> list[Entry]:
+def select(
+    database: Database | DatabaseFile, condition: str, values: Sequence[object] = (), *, whole: bool = True
+) -> list[Entry]:
     """Reads the changes that meet a condition (SQL after WHERE).
 
     Args:
@@ -250,7 +252,7 @@ def select(database: Database, condition: str, values: Sequence[object] = (), *,
     return [_entry(database, *row, whole=whole) for row in database.rows(_SELECT + condition, values)]
 
 
-def select_after(database: Database, version: int) -> Iterator[Entry]:
+def select_after(database: Database | DatabaseFile, version: int) -> Iterator[Entry]:
     """Reads all changes after a version, in order, in pages.
 
     Raises:
@@ -287,7 +289,7 @@ def select_edits(database: Database, number: int, start: int, most: int) -> list
 
 
 def _entry(
-    database: Database, number: int, wall: float, more: int, data: str, last: int | None, *, whole: bool
+    database: Database | DatabaseFile, number: int, wall: float, more: int, data: str, last: int | None, *, whole: bool
 ) -> Entry:
     sql = "SELECT edits FROM more_edits WHERE number = ? ORDER BY part"
     others: list[Any] = [edits for (edits,) in database.rows(sql, (number,))] if more and whole else []
