@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import mmap
+import re
 import resource
 import subprocess
 from collections.abc import Iterator
@@ -12,21 +14,60 @@ import httpx2
 import pytest
 from support.server_process import ServerProcess
 
+from skiros_py.station.data_files import check_data
+
 from .hard import LATER, STARTER, job_of, moves, over, until
 
 
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A real file system of 8 MB."""
-    folder = tmp_path / "disk"
+@contextmanager
+def mounted(folder: Path, *arguments: str) -> Iterator[Path]:
+    """Mounts a real file system."""
     folder.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", str(folder)]
-    if subprocess.run(command, capture_output=True, check=False).returncode:
+    if subprocess.run(["mount", *arguments, str(folder)], capture_output=True, check=False).returncode:
         pytest.skip("mounting a file system needs a privilege that containers lack; the other tests refuse writes")
     try:
         yield folder
     finally:
         subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A real file system of 8 MB."""
+    with mounted(tmp_path / "disk", "-t", "tmpfs", "-o", "size=8m", "tmpfs") as folder:
+        yield folder
+
+
+@pytest.fixture
+def device(small_disk: Path, tmp_path: Path) -> Iterator[Path]:
+    """A file system on a block device of 64 MB, whose blocks are taken from the small disk as they are written.
+
+    It becomes read-only by itself, as any does at an error, when the folder "trap" is read: its entry has the length 0.
+    """
+    image, content = small_disk / "image", tmp_path / "content"
+    (content / "trap").mkdir(parents=True)
+    (content / "trap" / "damaged-entry").touch()
+    with image.open("wb") as file:
+        file.truncate(64 << 20)
+    subprocess.run(["mkfs.ext2", "-q", "-d", str(content), str(image)], check=True, capture_output=True)
+    with image.open("r+b") as file, mmap.mmap(file.fileno(), 0) as blocks:
+        name = blocks.find(b"damaged-entry")
+        blocks[name - 4 : name - 2] = bytes(2)
+    with mounted(tmp_path / "device", "-o", "loop,errors=remount-ro", str(image)) as folder:
+        yield folder
+
+
+@contextmanager
+def read_only(folder: Path) -> Iterator[None]:
+    """The kernel makes a file system read-only, as after an error on the disk; a person makes it writable again."""
+    with suppress(OSError):
+        list((folder / "trap").iterdir())
+    with pytest.raises(OSError, match="Read-only file system"):
+        (folder / "written").touch()
+    try:
+        yield
+    finally:
+        subprocess.run(["mount", "-o", "remount,rw", str(folder)], check=True)
 
 
 @contextmanager
@@ -113,3 +154,31 @@ def test_a_server_killed_on_a_full_disk_holds_the_job_at_its_next_start(small_di
         job = job_of(client.http, "kit")
         assert job["state"]["substates"] == ["Held"]
         assert job["choices"]
+
+
+def test_a_disk_that_becomes_read_only_holds_the_job_until_it_can_be_written_again(device: Path) -> None:
+    data = device / "cell"
+    with ServerProcess("kitting", "--fake", "--pace", "3", data=data) as server, server.client() as client:
+        held_and_resumed(server, client.http, read_only(device), 503)
+        assert server.end() == 0
+    assert list(check_data(data)) == []
+
+
+def test_a_disk_that_fails_once_loses_nothing(device: Path, small_disk: Path) -> None:
+    """The device answers EIO: the disk below it has no room for its blocks."""
+    data = device / "cell"
+    with ServerProcess("kitting", "--fake", "--pace", "3", data=data) as server, server.client() as client:
+        api = client.http
+        api.put("/jobs/kit", json=STARTER).raise_for_status()
+        until(lambda: moves(api, "kit"))
+        with filled(small_disk):
+            until(lambda: suspended(api))
+            (alarm,) = [one for one in api.get("/alarms").json()["items"] if one["kind"] == "disk"]
+            assert re.search(r"I/O error|Input/output error", alarm["text"])
+        assert over(api, "kit")["outcome"] == "succeeded"
+        before = api.get("/world").json()["version"]
+        server.kill()
+    assert list(check_data(data)) == []
+    with ServerProcess("--fake", data=data) as server, server.client() as client:
+        assert job_of(client.http, "kit")["outcome"] == "succeeded"
+        assert client.http.get("/world").json()["version"] >= before
