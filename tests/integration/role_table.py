@@ -161,6 +161,7 @@ _TABLE = {
         /keys GET POST
         /keys/{key_id} GET DELETE
         /audit GET
+        /audit/export GET
     """,
 }
 

@@ -50,6 +50,30 @@ def test_a_traceback_holds_no_values_of_variables(lines):
     assert entry["exception"][0]["exc_type"] == "ValueError"
 
 
+class _Forger:
+    def __repr__(self) -> str:
+        return "x\n2026-11-27T10:00:00Z [info     ] forged"
+
+
+def test_no_text_looks_like_another_record_or_steers_the_terminal_in_the_log_for_people(lines):
+    stream = io.StringIO()
+    log_to(stream, form="console")
+    bad = "because\n2026-11-27T10:00:00Z [info     ] forged \x1b[2J\r\u202e"
+    about = {"job": bad, bad: 1, "number": [bad], "other": _Forger()}
+    logging.getLogger("my_plugin" + bad).info("order: %s", bad, extra=about, stack_info=True)
+    try:
+        raise ValueError(bad)
+    except ValueError:
+        logging.getLogger("my_plugin").exception("it broke")
+
+    text = stream.getvalue()
+    records = [line for line in text.split("\n") if line and not line.startswith("  ")]
+    assert len(records) == 2
+    assert all(char.isprintable() or char == "\n" for char in text)
+    assert "order: because\\n2026-11-27T10:00:00Z [info     ] forged \\x1b[2J\\r\\u202e" in records[0]
+    assert "ValueError: because" in text
+
+
 def test_text_of_several_lines_stays_one_line(lines):
     logging.getLogger("my_plugin").info("one\ntwo\x00")
 

@@ -21,6 +21,10 @@ class Audit(Topic[C]):
     def list(self, limit: int = 100, cursor: str | None = None) -> AuditPage:
         """Lists requests that changed something or were refused, newest first."""
 
+    @operation("GET /audit/export")
+    def export(self) -> str:
+        """Returns all records as JSON Lines, oldest first; each holds the SHA-256 of the line before."""
+
 
 class Events(Topic[C]):
     """Past events, in pages; the client's :meth:`follow` streams new ones."""

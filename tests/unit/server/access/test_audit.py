@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -9,8 +11,10 @@ from typing import Any
 
 import pytest
 
+from skiros_py.database import DatabaseFile, Schema
 from skiros_py.server.access import audit as audit_module
-from skiros_py.server.access.audit import AuditLog
+from skiros_py.server.access import keys
+from skiros_py.server.access.audit import AuditLog, broken_link
 from skiros_py.server.access.keys import open_access
 
 
@@ -55,6 +59,44 @@ def test_the_size_of_the_audit_log_is_bounded(log: AuditLog, monkeypatch: pytest
     kept = log.page(limit=1000)
 
     assert [entry.path for entry in kept] == [f"/{number}" for number in range(2499, 2489, -1)]
+
+
+def test_rotation_keeps_the_chain_and_the_first_broken_record_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audit_module, "_KEPT", 10)
+    for first in (0, 2000):  # also over a restart
+        with closing(AuditLog(open_access(tmp_path))) as log:
+            for number in range(first, first + 1500):
+                log.append(_entry(number))
+
+    def broken() -> str:
+        with closing(DatabaseFile(tmp_path / "access.db")) as file:
+            return broken_link(file)
+
+    assert broken() == ""
+    with closing(open_access(tmp_path)) as database, database.transaction() as connection:
+        connection.execute("UPDATE audit SET data = replace(data, '200', '500') WHERE number IN (2995, 2997)")
+    assert broken().startswith("record 2995 was changed")
+    with closing(open_access(tmp_path)) as database, database.transaction() as connection:
+        connection.execute("DELETE FROM audit WHERE number < 2993")
+    assert broken() == "record 2991 was removed"
+
+
+def test_records_of_an_older_version_are_kept_and_the_chain_begins_after_them(tmp_path: Path) -> None:
+    old = Schema("list of keys", "the keys of a server", keys._SCHEMA.application, keys._SCHEMA.migrations[:1])
+    with closing(sqlite3.connect(tmp_path / "access.db")) as connection:
+        old.upgrade(connection)
+        rows = [(json.dumps(_entry(number)),) for number in range(3)]
+        connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
+        connection.commit()
+
+    with closing(AuditLog(open_access(tmp_path))) as log:
+        log.append(_entry(3))
+        assert [(entry.number, entry.path) for entry in log.page()] == [(n + 1, f"/{n}") for n in (3, 2, 1, 0)]
+        assert len(list(log.lines())) == 4
+    with closing(DatabaseFile(tmp_path / "access.db")) as file:
+        assert broken_link(file) == ""
 
 
 def test_additional_work_of_the_writer_is_done_on_closing_too(tmp_path: Path) -> None:
