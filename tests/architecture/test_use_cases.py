@@ -22,8 +22,8 @@ from skiros_py.station.station import Station
 
 OWN = {
     "change_webhook", "create_key", "create_webhook", "delete_webhook", "export_audit", "get_health", "get_key",
-    "get_metrics", "get_readiness", "get_session", "get_webhook", "list_audit", "list_dead_letters", "list_deliveries", "list_keys",
-    "list_webhooks", "login", "logout", "ping_webhook", "redeliver", "revoke_key",
+    "get_metrics", "get_readiness", "get_session", "get_webhook", "list_audit", "list_dead_letters", "list_deliveries",
+    "list_keys", "list_webhooks", "login", "logout", "ping_webhook", "redeliver", "revoke_key",
 }  # fmt: skip
 """About the server itself: its keys, logins, audit log, webhooks and health."""
 STREAMS = {"list_events", "stream_events", "stream_state"}
