@@ -88,12 +88,12 @@ def test_a_backup_is_not_made_over_something_nor_of_damaged_files(data: Path, tm
 @pytest.mark.parametrize("name", ["journal.db", "jobs.db"])
 def test_a_server_starts_without_lost_records_only_when_a_person_says_so(name: str, data: Path) -> None:
     log = data / f"{name}-wal"
-    log.write_bytes(log.read_bytes()[:-1])
+    log.write_bytes(log.read_bytes()[:-1] if name == "journal.db" else b"")
 
     for _ in range(2):
         with pytest.raises(DeviceError) as refused:
             ServerProcess("--fake", data=data)
-        assert f"{name}: ends before what was acknowledged: 1 write is missing" in str(refused.value)
+        assert f"{name}: ends before what was acknowledged: " in str(refused.value)
         assert f"skiros data accept-loss --data {data}" in str(refused.value)
         assert "Traceback" not in str(refused.value)
     (found,) = findings(data)
@@ -103,13 +103,15 @@ def test_a_server_starts_without_lost_records_only_when_a_person_says_so(name: s
 
     assert ended.returncode == 0
     (loss,) = json.loads(ended.stdout)["losses"]
-    assert (loss["file"], loss["count"], len(loss["missing"])) == (name, 1, 1)
-    if name == "jobs.db":
-        assert loss["missing"][0].endswith("job last, ordered")
+    assert (loss["file"], loss["count"]) == (name, len(loss["missing"]))
+    if name == "journal.db":
+        assert len(loss["missing"]) == 1
+    else:
+        assert {"job kit, ordered", "job last, ordered"} <= {text[21:] for text in loss["missing"]}
     assert findings(data) == []
     with ServerProcess("--fake", data=data) as server, server.client() as client:
-        assert client.http.get("/jobs/last").status_code == (404 if name == "jobs.db" else 200)
-        assert job_of(client.http, "kit")["outcome"] == "succeeded"
+        for job in ("kit", "last"):
+            assert client.http.get(f"/jobs/{job}").status_code == (404 if name == "jobs.db" else 200)
 
 
 def break_text(path: Path) -> None:
