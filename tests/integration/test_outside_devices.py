@@ -40,7 +40,7 @@ from skiros_py.skills.outcome import Success
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
-from skiros_py.station.recordings.sources import camera_of
+from skiros_py.station.recordings.topics import camera_of
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.robots.observations import Observations
 from skiros_py.station.session import Options, Session

@@ -15,7 +15,7 @@ import click
 from skiros_py.cli.commands import SERVER
 from skiros_py.cli.options import JSON, key_values
 from skiros_py.cli.output import REACHED, tell
-from skiros_py.cli.reaching import reach
+from skiros_py.cli.server_choice import reach
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.files import read_text
 

@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 from skiros_py.cli.options import JSON, combined, data_option
 from skiros_py.cli.output import REACHED, tell
-from skiros_py.cli.reaching import reach
+from skiros_py.cli.server_choice import reach
 from skiros_py.errors import UsageError
 
 Found = tuple[Any, Iterable[str]] | tuple[Any, Iterable[str], int]

@@ -20,7 +20,7 @@ from skiros_py.cli.job_text import (
     trace_lines,
 )
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.reaching import reach
+from skiros_py.cli.server_choice import reach
 
 if TYPE_CHECKING:
     from skiros_py.cli.job_files import JobFiles

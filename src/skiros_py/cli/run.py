@@ -218,7 +218,7 @@ def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
     from skiros_py.recording.pictures import RunPictures
     from skiros_py.station.recordings.runs import run_recorder
-    from skiros_py.station.recordings.sources import camera_of
+    from skiros_py.station.recordings.topics import camera_of
 
     camera, pictures = camera_of(session), None
     if record is not None:

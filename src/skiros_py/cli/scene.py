@@ -12,7 +12,7 @@ from skiros_py.catalogue import load_catalogue
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import JSON
 from skiros_py.cli.output import DIFFERENT, REACHED, answer_text
-from skiros_py.cli.reaching import present_world
+from skiros_py.cli.server_choice import present_world
 from skiros_py.config import find_scene, named_scene, scene_names
 from skiros_py.errors import DescriptionError, FileError, UsageError, escaped
 from skiros_py.skills.cell_reader import read_cell

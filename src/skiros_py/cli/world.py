@@ -13,7 +13,7 @@ from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.options import AUTHOR, DATA, data_option, open_existing
 from skiros_py.cli.output import REACHED
-from skiros_py.cli.reaching import present_world
+from skiros_py.cli.server_choice import present_world
 from skiros_py.errors import FileError
 from skiros_py.station.worlds import open_data, open_world
 from skiros_py.world.change import ElementEdit

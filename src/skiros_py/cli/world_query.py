@@ -13,7 +13,7 @@ import click
 
 from skiros_py.cli.options import JSON, key_values, time_limit_option
 from skiros_py.cli.output import REACHED, answer, counted, table_lines
-from skiros_py.cli.reaching import present_world
+from skiros_py.cli.server_choice import present_world
 from skiros_py.errors import FileError
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
+from skiros_py.execution.command_mixing import Mix
 from skiros_py.execution.module_faults import off_words
-from skiros_py.execution.shared_devices import Mix
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.interruptions import CycleOverrun, CycleStep, WatchedTask, by_user

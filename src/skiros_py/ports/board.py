@@ -54,7 +54,7 @@ class DeviceBoard:
     """The snapshot of the current cycle and the commands collected for the next one.
 
     Commands for a device with one owner go straight to the driver. Commands for a shared device are collected by run;
-    :class:`~skiros_py.execution.shared_devices.Mix` merges them into one target before the exchange.
+    :class:`~skiros_py.execution.command_mixing.Mix` merges them into one target before the exchange.
 
     Attributes:
         guard: Contains the code of kinds of device; knows which devices were switched off.

@@ -1,7 +1,7 @@
 """Topics of a recording: a name, a schema and an encoder each.
 
 The built-in topics are defined where their messages are made: ``recorder.py`` (runs, log, tasks, trace, world and
-devices), ``pictures.py`` and ``station/recordings/sources.py`` (pictures and points). Plug-ins bring further ones.
+devices), ``pictures.py`` and ``station/recordings/topics.py`` (pictures and points). Plug-ins bring further ones.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from skiros_py.tasks.context import Mode, StopWanted, TaskContext
 from skiros_py.tasks.dispatcher import Active
 from skiros_py.tasks.executor import TaskExecutor
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.person import Choice, ask_for_help, believe_back, believe_done
+from skiros_py.tasks.help_from_people import Choice, ask_for_help, believe_back, believe_done
 from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.trace import TraceEventKind, describe_step

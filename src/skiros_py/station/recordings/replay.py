@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.frames import MAP
 from skiros_py.recording.reader import DEVICES, FRAMES, JOINTS, Recording
-from skiros_py.station.recordings.sources import VIEW
+from skiros_py.station.recordings.topics import VIEW
 
 MOST_FRAMES = 5000
 _DIGITS = 5

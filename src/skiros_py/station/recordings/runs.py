@@ -22,7 +22,7 @@ from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
 from skiros_py.recording.reader import RUNS, SUFFIX
 from skiros_py.station.recordings.replay import replay_text
-from skiros_py.station.recordings.sources import camera_of, record_observations, record_view
+from skiros_py.station.recordings.topics import camera_of, record_observations, record_view
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.job import Job

@@ -14,10 +14,10 @@ from typing import Any, ParamSpec, TypeVar
 
 from skiros_py.errors import Busy, Removed, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.execution.runtime import Runtime
-from skiros_py.tasks.jobs.book import Guard, JobBook
-from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, Outcome, Transition, Trigger, next_state
+from skiros_py.tasks.jobs.queue import Guard, JobBook
 from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun, hold_what_was_cut_off
+from skiros_py.tasks.jobs.runner import JobRunner, ReadGoal
 from skiros_py.tasks.jobs.store import JobStore, Receipt
 from skiros_py.tasks.task_manager import TaskManager
 
@@ -87,25 +87,25 @@ class JobManager:
         self._guard = Guard(store.flush, lockstep=runtime.cycle.pace is None)
         self._book = JobBook(store, clock)
         self.open: Mapping[str, Job] = self._book.open
-        self._conductor = Conductor(tasks, runtime, self._book, parse, self._guard, at_once=at_once)
+        self._runner = JobRunner(tasks, runtime, self._book, parse, self._guard, at_once=at_once)
         self.limit = limit
         self._parse = parse
         hold_what_was_cut_off(self._book, runtime.world)
-        runtime.cycle.observe(self._conductor.attend)
+        runtime.cycle.observe(self._runner.attend)
 
     @property
     def fault(self) -> str:
         """Why the disk cannot be written, so that everything is paused; empty if it can."""
-        return self._conductor.fault
+        return self._runner.fault
 
     def shown(self, job: Job) -> Job:
         """Returns a job as readers see it: while the disk cannot be written, a running one is held."""
-        return self._conductor.held(self.open.get(job.id, job))
+        return self._runner.held(self.open.get(job.id, job))
 
     @property
     def idle(self) -> bool:
         """True if no job is running and none would start now."""
-        return self._conductor.idle
+        return self._runner.idle
 
     def find(self, job: str) -> Job | None:
         """Returns a job, open or over; None if there is none with that id."""
@@ -291,7 +291,7 @@ class JobManager:
         with self._command(job, expects) as now:
             if now.state is not JobState.INTERRUPTED:
                 now = self._book.move(now, Trigger.PAUSE, comment, detail="paused")
-            self._conductor.schedule(self._conductor.command, job, JobRun.pause)
+            self._runner.schedule(self._runner.command, job, JobRun.pause)
             return now
 
     def resume(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
@@ -303,13 +303,13 @@ class JobManager:
         with self._command(job, expects) as now:
             if now.state is JobState.RUNNING:
                 return now
-            run = self._conductor.run(job)
+            run = self._runner.run(job)
             if run is not None and run.asks:
                 raise WrongState(f"job '{job}' waits for an answer: {', '.join(now.choices)}")
             self._require_ready(now)
             detail = WAITS if run is None else "goes on"
             changed = self._book.move(now, Trigger.RESUME, comment, detail=detail, choices=(), question=None)
-            self._conductor.schedule(self._conductor.resume, job)
+            self._runner.schedule(self._runner.resume, job)
             return changed
 
     def answer(self, job: str, choice: str, *, by: str, expects: int | None = None) -> Job:
@@ -330,7 +330,7 @@ class JobManager:
                 raise WrongState(f"job '{job}' waits for no answer, or not any more: it is {now.state.name.lower()}")
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
-            run = self._conductor.run(job)
+            run = self._runner.run(job)
             if run is not None:
                 run.answer(choice, by=by, asked=now.question)
                 return now
@@ -338,7 +338,7 @@ class JobManager:
                 return self.abort(job, f"answered by {by}")
             self._require_ready(now)
             if choice == BY_HAND:
-                self._conductor.schedule(self._conductor.note_done, job, by)
+                self._runner.schedule(self._runner.note_done, job, by)
                 return now
             return self.resume(job, f"{choice}, says {by}")
 
@@ -361,14 +361,14 @@ class JobManager:
 
     def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str, expects: int | None) -> Job:
         with self._command(job, expects) as now:
-            run = self._conductor.run(job)
+            run = self._runner.run(job)
             if now.outcome is outcome or (run is not None and run.ending is outcome):
                 return now
             if run is None:
                 return self._book.move(now, trigger, comment, outcome=outcome, detail="", choices=(), question=None)
             next_state(now.state, trigger)  # raises if it is not allowed
             run.end_as(trigger, outcome, comment)
-            self._conductor.schedule(self._conductor.command, job, JobRun.stop)
+            self._runner.schedule(self._runner.command, job, JobRun.stop)
             return self._book.change(now.but(detail=f"is being {outcome.value}"))
 
     # ------------------------------------------------------------------ what must be so

@@ -16,9 +16,9 @@ from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.help_from_people import write_by_hand
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Trigger
-from skiros_py.tasks.person import write_by_hand
+from skiros_py.tasks.jobs.queue import JobBook
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import StepRun, TraceEntry
 from skiros_py.world.change import PlacementEdit

@@ -20,7 +20,7 @@ from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.recording.recorder import Devices
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.station.recordings.replay import MOST_FRAMES, replay_text
-from skiros_py.station.recordings.sources import Scene
+from skiros_py.station.recordings.topics import Scene
 from skiros_py.station.worlds import open_world
 from skiros_py.world.change import Change
 from skiros_py.world.world import World

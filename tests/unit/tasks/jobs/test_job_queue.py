@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.tasks.jobs.book import JobQueue
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
+from skiros_py.tasks.jobs.queue import JobQueue
 
 TIMES = st.one_of(st.none(), st.integers(1, 20).map(lambda t: datetime.fromtimestamp(t, UTC)))
 ORDERS = st.builds(

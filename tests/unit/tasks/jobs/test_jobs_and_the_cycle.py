@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Job, JobOrder, Outcome, Trigger
 from skiros_py.tasks.jobs.manager import JobManager
+from skiros_py.tasks.jobs.queue import JobBook
 from skiros_py.tasks.jobs.run import JobRun
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.testing import Bench, tiny_world

@@ -15,8 +15,8 @@ from skiros_py.execution.runtime import Runtime
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.context import Mode
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs.book import Guard, JobBook, rank
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
+from skiros_py.tasks.jobs.queue import Guard, JobBook, rank
 from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
 from skiros_py.tasks.task_manager import TaskManager
 
@@ -34,7 +34,7 @@ _BETWEEN_TRIES = 1.0
 """Wall time between two attempts to write to a disk that could not be written [s]."""
 
 
-class Conductor:
+class JobRunner:
     """Runs jobs, up to a maximum number at a time.
 
     A job that waits for a user keeps its slot only while it holds a device or a thing. Otherwise the next job gets the
