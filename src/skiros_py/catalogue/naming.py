@@ -114,6 +114,9 @@ def _renamed(value: Any, modules: Mapping[str, str], words: Sequence[tuple[Condi
     match cast(object, value):
         case SkillDescription(name):
             changed["name"] = modules.get(name, name)
+            pairs = zip(cast(SkillDescription, value).post, changed["post"], strict=True)
+            # by its key, its author's code finds a postcondition
+            changed["post"] = tuple(new if new.key == old.key else new.named(old.key) for old, new in pairs)
         case Do(module) | Call(module):
             changed["module"] = modules.get(module, module)
         case ConditionType(name):

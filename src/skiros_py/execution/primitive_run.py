@@ -51,7 +51,8 @@ class PrimitiveRun(ModuleRun):
     def __init__(
         self, name: str, loader: Loader, given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
     ) -> None:
-        super().__init__("primitive", name, given, scope, run)
+        context = replace(scope.context, questions=scope.context.questions.within())
+        super().__init__("primitive", name, given, replace(scope, context=context), run)
         self._loader = loader
         self._loaded: Loaded
         self._values = given

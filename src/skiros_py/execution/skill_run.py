@@ -58,7 +58,7 @@ class SkillRun(ModuleRun):
         self._way: Skill | None = None
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         values: dict[str, Any] = {}
-        context = replace(scope.context, effects=effects)
+        context = replace(scope.context, effects=effects, questions=scope.context.questions.within())
         self._scope = self.inner_scope(context=context, arguments=ChainMap(self.arguments, values), values=values)
 
     def cancel(self, reason: str) -> bool:
@@ -115,6 +115,7 @@ class SkillRun(ModuleRun):
     def _with_devices(self, skill: Skill) -> Execution[Outcome]:
         """Tries one implementation with the devices that it takes."""
         name, world = self.name, self._scope.context.world
+        self._limit = None  # that of the attempt before; to wait for devices does not count
         devices = devices_of(world, self.description.params, skill.takes, self.arguments)
         claim = contained(name, lambda: self._take(name, devices, self._outer.claim))
         if isinstance(claim, Failure):

@@ -18,7 +18,7 @@ _LONGEST_STALL = 600.0
 
 
 class TimeLimit:
-    """The time of one run, without pauses and without the time in which a person is asked.
+    """The time of one run, without pauses and without the time in which it asks a person.
 
     Args:
         context: That of the run.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
+from copy import copy
 from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
@@ -137,13 +138,20 @@ class Questions:
 
     def __init__(self) -> None:
         self._open: dict[int, Asked] = {}
+        self._books = (self._open,)  # its own open questions, and those of each whole that it is part of
         self._numbers = count(1)
         self._listeners = Listeners[[Question]]("questions")
 
     @property
     def open(self) -> tuple[Question, ...]:
         """The open questions, oldest first."""
-        return tuple(asked.question for asked in list(self._open.values()))
+        return tuple(asked.question for asked in list(self._open.values()) if asked.answer is None)
+
+    def within(self) -> Questions:
+        """Returns the questions of a part of the run; they are among these, too."""
+        part, own = copy(self), dict[int, Asked]()
+        vars(part).update(_open=own, _books=(own, *self._books))
+        return part
 
     @property
     def heard(self) -> bool:
@@ -157,13 +165,15 @@ class Questions:
     def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...], *, asker: str, time: float) -> Asked:
         """Opens a question and tells who listens."""
         asked = Asked(Question(next(self._numbers), kind, text, options, asker, time))
-        self._open[asked.question.id] = asked
+        for book in self._books:
+            book[asked.question.id] = asked
         self._listeners.notify(asked.question)
         return asked
 
     def withdraw(self, asked: Asked) -> None:
         """Closes a question that its asker no longer needs; what is answered or withdrawn already stays so."""
-        self._open.pop(asked.question.id, None)
+        for book in self._books:
+            book.pop(asked.question.id, None)
 
     def answer(self, number: int, answer: str, *, by: str) -> None:
         """Answers a question.

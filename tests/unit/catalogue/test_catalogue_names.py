@@ -23,6 +23,7 @@ from skiros_py.testing.tiny import AT_LOCATION, DRIVE, pretend
 HOP = replace(DRIVE, name="hop", help="Hops as {0} does.")
 NEAR = replace(AT_LOCATION, name="Near", help="As {0} means it.")
 A = pretend(HOP)
+B = pretend(replace(HOP, post=(NEAR("Robot", "Location"),)))
 BODY = Sequence.of(Do.of("hop"), Do.of("wave"), Check((NEAR("Robot", "Location"),)))
 TOUR = Skill(replace(DRIVE, name="tour_{0}"), BODY, driver="fake")
 class Wave(Primitive):
@@ -164,3 +165,12 @@ def test_configuration_is_given_to_a_primitive_of_a_qualified_name(two: Any) -> 
 
     with pytest.raises(UnknownName, match=r"unknown configuration parameter 'speed' of sk-two\.wave"):
         read_configuration({"sk-two.wave.speed": "1"}, catalogue.primitives, tiny_world())
+
+
+def test_an_authors_code_finds_postconditions_by_the_keys_that_they_have_in_its_distribution(two: Any) -> None:
+    catalogue = two({"skills": {"hop": "B"}, "conditions": {"Near": "NEAR"}})
+
+    post = [skill.description.post for key, skill in catalogue.skills.items() if key.endswith(".hop")]
+    assert [(str(c), c.key) for (c,) in post] == [
+        (f"sk-{name}.Near(Robot, Location)", "Near(Robot, Location)") for name in ("one", "two")
+    ]

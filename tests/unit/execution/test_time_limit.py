@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.behaviours import Do
+from skiros_py.behaviours import AssertEffects, Do
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.time_limit import TimeLimit
@@ -162,6 +162,20 @@ def test_a_stall_is_told_once_with_the_place_where_the_primitive_waits(
 
 def test_the_time_in_which_a_person_is_asked_does_not_count(bench: Bench) -> None:
     assert bench.run("asks") == Success("done")
+
+
+def test_the_question_of_another_run_does_not_stop_the_time(bench: Bench) -> None:
+    bench.questions.ask(QuestionKind.CONFIRM, "Is the door open?", ("yes",), asker="another", time=0.0)
+
+    assert reason(bench, "strict").startswith("strict took longer than 2 s")
+
+
+def test_another_implementation_has_the_time_that_the_first_one_had() -> None:
+    description = replace(DRIVE, name="slow", limit=2.0)
+    first = Skill(description, Do.of("endless"), driver="fake", label="first")
+    second = Skill(description, AssertEffects(), driver="fake", label="second")
+    with Bench(tiny_world(), [first, second], [Endless]) as bench:
+        assert bench.run("slow", Location="box_a") == Success("pretended")
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from unified_planning.engines import SequentialPlanValidator, ValidationResultSt
 from unified_planning.io import PDDLReader
 
 from skiros_py.errors import PlanningError
+from skiros_py.planning.domain.model import Action, Atom, Grounding, NoneSuch, Variable
 from skiros_py.planning.plan import NoPlan, Plan, Step
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
@@ -316,3 +317,37 @@ class Battery:
             assert found is not None, f"{step} cannot be taken with a charge of {state[1]} at {state[0]}"
             state = found
         return state
+
+
+def test_numbers_are_counted_where_places_have_an_order(kairos: Kairos) -> None:
+    order = [
+        "scene:floor sk:useSequenceNumbers true .",
+        "scene:box_a sk:sequenceNumber 2 .",
+        "scene:box_b sk:sequenceNumber 1 .",
+    ]
+
+    found = planned(kairos, battery_world(100, *order), BOTH[0])
+
+    assert isinstance(found.outcome, Plan)
+
+
+def test_a_number_that_says_how_much_another_one_changes_orders_their_changes() -> None:
+    heavier = Action(
+        "load", "load", (Variable("?b", "tiny:Box"),), (), (), (), changes=(Atom("increase sk:mass 5.0", ("?b",)),)
+    )
+    elements = (Variable("?r", "sk:Robot"), Variable("?b", "tiny:Box"))
+    change = Atom("decrease tiny:charge sk:mass", ("?r", "?b"))
+    carry = Action("carry", "carry", elements, (), (), (), changes=(change,))
+    plan = [Grounding(heavier, {"?b": "box"}), Grounding(carry, {"?r": "robot", "?b": "box"})]
+
+    assert partial_order(plan, dict.fromkeys(("load", "carry"), DRIVE)) == (frozenset(), frozenset({0}))
+
+
+def test_an_absence_of_low_numbers_waits_for_what_raises_them() -> None:
+    robot = (Variable("?r", "sk:Robot"),)
+    charge = Action("charge", "charge", robot, (), (), (), changes=(Atom("increase tiny:charge 30.0", ("?r",)),))
+    low = NoneSuch((Variable("?x", "sk:Robot"),), (Atom("value tiny:charge < 20", ("?x",)),))
+    use = Action("use", "use", robot, (), (), (), none=(low,))
+    plan = [Grounding(charge, {"?r": "robot"}), Grounding(use, {"?r": "robot"})]
+
+    assert partial_order(plan, dict.fromkeys(("charge", "use"), DRIVE)) == (frozenset(), frozenset({0}))

@@ -153,6 +153,18 @@ def test_a_written_inequality_leaves_a_number_that_meets_it_and_else_becomes_its
         assert ENOUGH.evaluate(world)
 
 
+def test_more_than_eight_are_nine_where_a_number_is_whole() -> None:
+    world = tiny_world("scene:box_a sk:sequenceNumber 2 .")
+    more = ConditionType("More", (Role("it", "tiny:Box"),), Compare("sk:sequenceNumber", ">", "it", 8), "-")("box_a")
+    overlay = Overlay(world.snapshot())
+
+    suppose_effects(overlay, effects_of(more))
+    write(world, *effects_of(more))
+
+    assert [view.value("box_a", "sk:sequenceNumber") for view in (overlay, world)] == [9, 9]
+    assert more.evaluate(world)
+
+
 def test_plans_count_with_the_limit_of_an_inequality_since_no_more_is_promised() -> None:
     overlay = Overlay(tiny_world(CHARGED).snapshot())
 

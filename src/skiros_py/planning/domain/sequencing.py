@@ -231,7 +231,7 @@ class _CostWriter(PddlWriter):
         return (*super().requirements(), ":action-costs")
 
     def functions(self) -> list[str]:
-        return ["(total-cost) - number", f"({self._cost} ?x1 ?x2 - object) - number"]
+        return ["(total-cost) - number", f"({self._cost} ?x1 ?x2 - object) - number", *super().functions()]
 
     def init(self) -> list[str]:
         places = sorted({o for atom in self.problem.init if atom.predicate == IN_ORDER for o in atom.arguments})

@@ -7,7 +7,7 @@ reads or writes, or both need the same device.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from graphlib import TopologicalSorter
 
@@ -97,20 +97,29 @@ class Effect:
         params = () if action.skill is None else skills[action.skill].params
         devices = (binding.get("?" + param.key) for param in params if param.kind is Kind.HARDWARE)
         adds = one.of(action.add)
-        none = tuple(such.bind(binding) for such in action.none)
+        none = tuple(_with_numbers(such.bind(binding)) for such in action.none)
         deletes = one.of(action.delete) - adds
-        changed = {Atom(change_of(a)[1], a.arguments[:1]) for a in one.of(action.changes)}
-        compared = ((number_compared(atom.predicate), atom.arguments) for atom in one.of(action.pre))
-        asked = {Atom(number[0], arguments) for number, arguments in compared if number is not None}
-        reads = (
-            one.of(action.pre) | asked | changed
-        )  # changes of one number keep their order: each starts from the last
+        changes = [(change_of(atom), atom.arguments) for atom in one.of(action.changes)]
+        changed = {Atom(property_, elements[:1]) for (_, property_, _), elements in changes}
+        amounts = {Atom(by, elements[-1:]) for (_, _, by), elements in changes if isinstance(by, str)}
+        # changes of one number keep their order: each starts from the last
+        reads = one.of(action.pre) | {*_numbers(one.of(action.pre))} | changed | amounts
         return cls(reads, adds | changed, deletes, none, frozenset(filter(None, devices)))
 
     @property
     def writes(self) -> frozenset[Atom]:
         """The facts it changes."""
         return self.adds | self.deletes
+
+
+def _numbers(atoms: Iterable[Atom]) -> Iterator[Atom]:
+    """Yields the numbers that some atoms compare, as what changes them writes them."""
+    compared = ((number_compared(atom.predicate), atom.arguments) for atom in atoms)
+    yield from (Atom(number[0], arguments) for number, arguments in compared if number is not None)
+
+
+def _with_numbers(such: NoneSuch) -> NoneSuch:
+    return replace(such, atoms=(*such.atoms, *_numbers(such.atoms)))
 
 
 def _interfere(one: Effect, other: Effect) -> bool:

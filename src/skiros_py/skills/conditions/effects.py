@@ -13,6 +13,7 @@ from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions.condition import OPPOSITE, Compare, Comparison, Condition, Operator
 from skiros_py.skills.conditions.pattern import AllOf, Has, Not, Nothing, NumberChange, Pattern, Related
 from skiros_py.world.element import Value
+from skiros_py.world.literals import DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.transaction import Transaction
@@ -107,6 +108,14 @@ def _effects(pattern: Pattern, condition: Condition) -> tuple[Effect, ...]:
             )
 
 
+def _fitting(ontology: Ontology, property_: str, value: Value | None, op: Operator) -> Value | None:
+    """Returns the limit of a comparison as the property can have it: more than 8 are 9, if it is a whole number."""
+    known = ontology.properties.get(property_)
+    if known is None or op == "=" or not isinstance(value, float) or DATATYPES[known.range].fits(value):
+        return value
+    return math.ceil(value) if op == ">=" else math.floor(value)
+
+
 def suppose_effects(overlay: Overlay, effects: Iterable[Effect]) -> None:
     """Lets effects be so on an overlay.
 
@@ -119,8 +128,8 @@ def suppose_effects(overlay: Overlay, effects: Iterable[Effect]) -> None:
                 overlay.set_relation(subject, relation, object_)
             case Unrelate(relation, subject, object_):
                 overlay.unset_relation(subject, relation, object_)
-            case Assign(property_, subject, value):
-                overlay.set_value(subject, property_, value)
+            case Assign(property_, subject, value, op):
+                overlay.set_value(subject, property_, _fitting(overlay.ontology, property_, value, op))
             case NumberChange(property_, subject, _, object_):
                 if (after := effect.after(overlay, subject, object_)) is not None:
                     overlay.set_value(subject, property_, after)
@@ -141,7 +150,7 @@ def write_effects(tx: Transaction, ontology: Ontology, effects: Iterable[Effect]
                     tx.unrelate(subject, relation, object_)  # which says what is wrong, if anything
             case Assign(property_, subject, int() | float() as value, ">=" | "<=" as op):
                 if not Comparison(op, value).allows(tx.view.value(subject, property_)):
-                    tx.set(subject, property_, value)
+                    tx.set(subject, property_, _fitting(ontology, property_, value, op))
             case Assign(property_, subject, value):
                 tx.set(subject, property_, value)
             case NumberChange(property_, subject, _, object_):
