@@ -231,6 +231,16 @@ def damaged(database: Path) -> int:
     return sum(any(slot) and _decoded(slot) is None for slot in slots)
 
 
+def unused(database: Path) -> bool:
+    """Returns whether a file notes no commit at all: a kill came before its database got its name.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    noted = read(database)
+    return noted is not None and noted[0] is not None and not any(one.number for one in noted if one is not None)
+
+
 def exists(database: Path) -> bool:
     """Returns whether a database has such a file."""
     return _path(database).exists()
@@ -246,6 +256,24 @@ def _boot() -> str:
         return _BOOT.read_text(encoding="ascii").strip()
     except OSError:
         return ""
+
+
+_ROOM = _SLOT - _CHECKSUM - 40
+"""Room for the words of a note, after number and time [bytes]."""
+
+
+def listed(writes: Sequence[str]) -> str:
+    """Returns the words of a commit that consists of several writes; says how many of them do not fit."""
+    said = [one for one in writes if one]
+    text = ", ".join(said)
+    if len(said) < 2 or len(text.encode("utf-8", "replace")) <= _ROOM:
+        return text
+    text, fit = f"{len(said)} writes: ", 0
+    for one in said:
+        if len(f"{text}{one}, and {len(said)} more".encode("utf-8", "replace")) > _ROOM:
+            break
+        text, fit = f"{text}{one}, ", fit + 1
+    return f"{text}and {len(said) - fit} more" if fit else text.rstrip(": ")
 
 
 def _encoded(commit: Commit) -> bytes:

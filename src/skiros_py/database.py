@@ -195,20 +195,47 @@ class Database:
         """
         with self._guard, self._faults():
             connection = self._open()
-            if connection.in_transaction:
-                self._writes.append(what)
-                yield connection
+            if self._writes:
+                with self._part(connection, what):
+                    yield connection
                 return
-            self._writes = [what]
-            with _committing(connection):
-                yield connection
-                connection.execute("UPDATE commits SET last = last + 1")  # RETURNING would take ten times as long
-                committed = _last(connection)
+            writes = self._writes = [what]
+            try:
+                with _committing(connection):
+                    yield connection
+                    self._check_open(connection)
+                    connection.execute("UPDATE commits SET last = last + 1")  # RETURNING would take ten times as long
+                    committed = _last(connection)
+            finally:
+                self._writes = []
             self._committed = committed
             if self._notes is not None:
-                self._notes.note(committed, ", ".join(filter(None, self._writes)), synced=self._durable)
+                self._notes.note(committed, commits.listed(writes), synced=self._durable)
             if not self._unsafe:
                 self.fault = None
+
+    @contextmanager
+    def _part(self, connection: sqlite3.Connection, what: str) -> Iterator[None]:
+        """A block within a transaction: if it raises, its own writes are taken back, whatever the outer one does."""
+        self._check_open(connection)
+        before = len(self._writes)
+        connection.execute("SAVEPOINT part")
+        self._writes.append(what)
+        try:
+            yield
+        except BaseException:
+            del self._writes[before:]
+            if connection.in_transaction:
+                connection.execute("ROLLBACK TO part")
+                connection.execute("RELEASE part")
+            raise
+        self._check_open(connection)
+        connection.execute("RELEASE part")
+
+    def _check_open(self, connection: sqlite3.Connection) -> None:
+        """Raises DiskFault if SQLite has rolled the transaction back by itself, as on a full disk."""
+        if not connection.in_transaction:
+            raise DiskFault(self.path, "the disk cannot be written: nothing was changed")
 
     @contextmanager
     def reading(self) -> Iterator[None]:
@@ -261,7 +288,9 @@ class Database:
         try:
             if self._unsafe:  # a failed sync may have dropped pages of the log: they are written to the file instead
                 with self._guard, self._faults():
-                    _run(self._open(), "wal_checkpoint(TRUNCATE)")
+                    ((busy, _, _),) = self._open().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+                if busy:
+                    raise DiskFault(self.path, "the disk failed, and the log cannot be written again while it is read")
                 self._unsafe, self.fault = False, None
             log = os.open(self.path.with_name(f"{self.path.name}-wal"), os.O_RDONLY)
             try:
@@ -306,7 +335,7 @@ class Database:
         if self._connection is not None:
             with suppress(FileError):
                 self.sync()
-        with self._guard, self._faults():
+        with self._syncing, self._guard, self._faults():
             connection, self._connection = self._connection, None
             if connection is not None:
                 connection.close()
@@ -390,9 +419,12 @@ def _make_private(path: Path) -> None:
 
 def _make(path: Path, schema: Schema) -> None:
     """Creates the file under a temporary name, so that it is never incomplete."""
-    for log in (path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}{commits.ENDING}")):
-        if log.exists():
-            raise FileError(path, f"the file is missing, but {log.name} exists: restore the file, or remove {log.name}")
+    for end in ("-wal", commits.ENDING):
+        left = path.with_name(f"{path.name}{end}")
+        if left.exists() and not (end == commits.ENDING and commits.unused(path)):
+            raise FileError(
+                path, f"the file is missing, but {left.name} exists: restore the file, or remove {left.name}"
+            )
     new = path.with_name(f"{path.name}.new")
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
@@ -450,9 +482,10 @@ def find_loss(path: Path, schema: Schema | None = None) -> commits.Loss | None:
         if not _counts(connection):
             return None  # of an earlier version
         last = _last(connection)
-        ((root,),) = connection.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'commits'").fetchall()
+        root = _page_of_commits(connection)
+    in_file, root = _in_file(path, root)  # VACUUM, which may be in the log, moves that page
     first = _first_in_log(path, root)
-    if first is not None and _last_in_file(path, first) < first - 1 < last:
+    if first is not None and in_file is not None and in_file < first - 1 < last:
         log = f"{path.name}-wal"
         raise FileError(
             path,
@@ -519,14 +552,11 @@ class DatabaseFile:
             return self._connection.execute(sql, values).fetchall()
 
     def faults(self) -> Iterator[str]:
-        """Yields what is wrong with pages, indexes, the texts that should be JSON, and the notes of commits.
+        """Yields what is wrong with pages, indexes, and the texts that should be JSON.
 
         Raises:
             FileError: The file cannot be read.
-            OSError: The notes cannot be read.
         """
-        if unreadable := commits.damaged(self.path) if commits.exists(self.path) else 0:
-            yield f"{unreadable} notes of commits are damaged; they are replaced by later ones"
         found = [text for (text,) in self.rows("PRAGMA integrity_check(20)")]
         yield from () if found == ["ok"] else found
         sql = (
@@ -587,13 +617,24 @@ def _last(connection: sqlite3.Connection) -> int:
     return int(last) - _ZERO
 
 
-def _last_in_file(path: Path, default: int) -> int:
-    """Returns the last commit in a file itself, without its log; the default if it cannot be read meanwhile."""
+def _page_of_commits(connection: sqlite3.Connection) -> int:
+    ((root,),) = connection.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'commits'").fetchall()
+    return int(root)
+
+
+def _in_file(path: Path, root: int) -> tuple[int | None, int]:
+    """Returns the last commit in a file itself, without its log, and the page where it is; None if that is unknown.
+
+    A checkpoint that goes on, or was cut off, may leave the file without sense until its log is read, too.
+    """
     try:
         with closing(_connect_read_only(path, "&immutable=1")) as connection:
-            return _last(connection) if _counts(connection) else 0
-    except sqlite3.Error:
-        return default
+            if not _counts(connection):
+                return 0, root
+            root, last = _page_of_commits(connection), _last(connection)
+    except (sqlite3.Error, ValueError, TypeError):
+        return None, root
+    return last if last >= 0 else None, root
 
 
 def _first_in_log(path: Path, page: int) -> int | None:

@@ -6,11 +6,11 @@ import json
 import shutil
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from skiros_py import database
+from skiros_py import commits, database
 from skiros_py.commits import ENDING, Loss
 from skiros_py.database import DatabaseFile
 from skiros_py.errors import FileError, SkirosError
@@ -51,11 +51,15 @@ def check_data(data: Path) -> Iterator[Finding]:
     """
     for path in _databases(data, DATABASES):
         yield from (Finding(path.name, fault, advice) for fault, advice in _database_faults(path))
+        if unreadable := commits.damaged(path) if commits.exists(path) else 0:
+            yield Finding(path.name, f"{unreadable} notes of commits are damaged", "they are replaced by later ones")
     for name in FILES:
         for path in sorted(_below(data / name)):
             try:
                 _read(path)
             except (SkirosError, OSError, ValueError) as error:
+                if not path.exists():  # an old recording that was deleted meanwhile
+                    continue
                 advice = "it is written again from the journal" if name == "learned.ttl" else "remove it, or restore it"
                 reason = error.reason if isinstance(error, FileError) else str(error)
                 yield Finding(str(path.relative_to(data)), reason, advice)
@@ -88,7 +92,8 @@ def back_up(data: Path, folder: Path) -> Sequence[Path]:
             for path in _below(data / name):
                 target = folder / path.relative_to(data)
                 target.parent.mkdir(0o700, parents=True, exist_ok=True)
-                shutil.copy2(path, target)
+                with suppress(FileNotFoundError):  # an old recording that was deleted meanwhile
+                    shutil.copy2(path, target)
     except (sqlite3.Error, OSError) as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise FileError(folder, f"the copy cannot be written: {error}") from error

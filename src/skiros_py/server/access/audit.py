@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.server import AuditRecord
 from skiros_py.database import Database, DatabaseFile
-from skiros_py.errors import DiskFault, SkirosError
+from skiros_py.errors import FileError, SkirosError
 
 if TYPE_CHECKING:
     from fastapi import Request
@@ -142,9 +142,9 @@ class AuditLog:
         return [AuditRecord(at=entry.pop("wall"), **entry) for entry in read]
 
     def lines(self) -> Iterator[str]:
-        """Yields all records as lines of JSON, oldest first."""
+        """Returns all records as lines of JSON, oldest first."""
         self._write()
-        yield from exported(self._database)
+        return exported(self._database)
 
     def close(self) -> None:
         """Writes the queued entries and closes the file; may be called twice."""
@@ -178,7 +178,10 @@ class AuditLog:
             while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
                 try:
                     with self._database.transaction(f"{len(batch)} records of the audit log") as connection:
-                        ((number, last),) = connection.execute("SELECT last, hash FROM audit_chain").fetchall()
+                        chain = connection.execute("SELECT last, hash FROM audit_chain").fetchall()
+                        if len(chain) != 1:
+                            raise FileError(self._database.path, "the row of the audit log's chain was removed")
+                        ((number, last),) = chain
                         for entry in batch:
                             number += 1
                             line = json.dumps({"number": number, **entry, "previous": last})
@@ -186,7 +189,7 @@ class AuditLog:
                             connection.execute("INSERT INTO audit (number, data) VALUES (?, ?)", (number, line))
                         connection.execute("UPDATE audit_chain SET last = ?, hash = ?", (number, last))
                         connection.execute(_FORGET, (_KEPT,))
-                except DiskFault:
+                except FileError:
                     self._entries.extendleft(reversed(batch))  # they are written later
                     raise
 
@@ -211,7 +214,10 @@ def broken_link(database: Database | DatabaseFile) -> str:
     """
     if not database.rows("SELECT 1 FROM sqlite_schema WHERE name = 'audit_chain'"):
         return ""
-    ((begins, last, final),) = database.rows("SELECT begins, last, hash FROM audit_chain")
+    chain = database.rows("SELECT begins, last, hash FROM audit_chain")
+    if len(chain) != 1:
+        return "the row of its chain was removed"
+    ((begins, last, final),) = chain
     due, hash_before = max(begins, last - _KEPT + 1), ""
     for number, line in _stored(database, begins):
         if number > due:

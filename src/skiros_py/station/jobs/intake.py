@@ -66,6 +66,7 @@ class OrderIntake(Generic[T]):
         if not self._places.acquire(blocking=False):
             raise Overloaded(f"{_MOST} orders wait to be stored: send them more slowly")
         answer: Future[T] = Future()
+        answer.set_running_or_notify_cancel()  # who no longer waits cannot cancel it: the order is stored anyway
         answer.add_done_callback(lambda _: self._places.release())
         self._requests.put(Request(read, answer_of, answer))
         return answer
