@@ -324,3 +324,60 @@ def test_a_file_in_use_is_looked_at_without_disturbing_it(tmp_path: Path) -> Non
                 connection.execute("INSERT INTO things VALUES ('x')")
             assert find_loss(database.path, _SCHEMA) is None
         assert database.rows("SELECT count(*) FROM things") == [(200,)]
+
+
+def test_a_kill_in_the_first_start_does_not_keep_the_next_one_from_starting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = Path.replace
+
+    def killed_before_the_last(file: Path, to: Path) -> Path:
+        if file.name == "things.db.new":
+            raise KeyboardInterrupt
+        return replace(file, to)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", killed_before_the_last)
+        with pytest.raises(KeyboardInterrupt):
+            Database(tmp_path / "things.db", _SCHEMA)
+
+    Database(tmp_path / "things.db", _SCHEMA).close()
+
+
+@pytest.mark.parametrize("cut", [None, 0.1, 0.5, 0.9], ids=["no checkpoint", "begun", "half", "nearly done"])
+def test_a_kill_after_unused_space_was_freed_is_no_loss(tmp_path: Path, cut: float | None) -> None:
+    schema = Schema(
+        "list", "a list for tests", 0x74657374, ("CREATE TABLE other (x); CREATE TABLE things (name TEXT);", COUNTED)
+    )
+    path, killed = tmp_path / "things.db", tmp_path / "killed"
+    with closing(Database(path, schema, durable=True)) as database:
+        for number in range(200):
+            with database.transaction("a thing") as connection:
+                connection.execute("INSERT INTO things VALUES (?)", (f"{number} {'x' * 300}",))
+        with database.transaction("fewer things") as connection:
+            connection.execute("DELETE FROM things WHERE rowid % 2")
+    with closing(Database(path, schema, durable=True)) as database:
+        with database.transaction("one less") as connection:
+            connection.execute("DELETE FROM things WHERE rowid = 2")
+        database._connection.execute("VACUUM")  # type: ignore[union-attr]
+        before = path.read_bytes()
+        killed.mkdir()
+        for file in tmp_path.glob("things.db*"):
+            shutil.copy(file, killed / file.name)
+    if cut is not None:
+        after = path.read_bytes()
+        written = 4096 * round(cut * len(after) / 4096)
+        (killed / "things.db").write_bytes(after[:written] + before[written:])
+
+    with closing(Database(killed / "things.db", schema)) as database:
+        assert database.rows("SELECT count(*) FROM things") == [(99,)]
+
+
+def test_a_note_of_many_writes_says_how_many_it_does_not_name() -> None:
+    few = commits.listed(["job a, ordered", "", "job b, ordered"])
+    many = commits.listed([f"job {number:040}, ordered" for number in range(16)])
+
+    assert few == "job a, ordered, job b, ordered"
+    assert many.startswith("16 writes: job 0")
+    assert many.endswith("more")
+    assert len(many) < 250

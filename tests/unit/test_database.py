@@ -4,12 +4,13 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import WorldError
+from skiros_py.errors import DiskFault, WorldError
 
 _SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);", COUNTED))
 
@@ -80,3 +81,32 @@ def test_what_is_closed_is_neither_read_nor_written(database: Database) -> None:
         _add(database, "late")
     with pytest.raises(WorldError, match="closed"):
         database.looked_up("SELECT name FROM things")
+
+
+def test_a_part_of_a_transaction_that_raises_is_taken_back_alone(database: Database) -> None:
+    def fail() -> None:
+        with database.transaction("part") as connection:
+            connection.execute("INSERT INTO things VALUES ('second')")
+            raise ValueError("no")
+
+    with database.transaction("outer"):
+        _add(database, "first")
+        with pytest.raises(ValueError, match="no"):
+            fail()
+        _add(database, "third")
+
+    assert database.rows("SELECT name FROM things") == [("first",), ("third",)]
+
+
+def test_a_sync_after_a_failed_one_does_not_succeed_while_a_reader_holds_the_log(tmp_path: Path) -> None:
+    with closing(Database(tmp_path / "things.db", _SCHEMA)) as database:
+        _add(database, "first")
+        database._unsafe = True  # as a failed fsync leaves it
+        with closing(sqlite3.connect(tmp_path / "things.db", isolation_level=None)) as reader:
+            reader.execute("BEGIN")
+            reader.execute("SELECT * FROM things").fetchall()
+            _add(database, "second")
+            with pytest.raises(DiskFault):
+                database.sync()
+        database.sync()
+        assert database.fault is None

@@ -83,3 +83,10 @@ def test_orders_that_wait_at_the_end_are_still_answered(jobs: JobManager) -> Non
     jobs.store.flush()
 
     assert [answer.result(PATIENCE).id for answer in answers] == ["a", "b", "c"]
+
+
+def test_an_answer_that_is_cancelled_ends_nothing(intake: OrderIntake[Job]) -> None:
+    answers = [intake.ask(lambda n=n: submission(f"job-{n}"), as_it_is) for n in range(20)]
+    assert not any(answer.cancel() for answer in answers if not answer.done())
+
+    assert intake.ask(lambda: submission("later"), as_it_is).result(PATIENCE).id == "later"
