@@ -42,7 +42,7 @@ def done(api: httpx2.Client, call: Call[Any]) -> Any:
 
 def turns(api: httpx2.Client, run: ModuleRunInfo, least: int) -> list[dict[str, Any]]:
     """Waits until a run has been told so often to stand or to go on, and returns that."""
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 90.0
     while True:
         told = api.get("/events/recent", params={"kind": "module", "type": ["paused", "resumed"]}).json()["items"]
         own: list[dict[str, Any]] = [event for event in told if event["data"]["run"] == run.id]
@@ -53,7 +53,7 @@ def turns(api: httpx2.Client, run: ModuleRunInfo, least: int) -> list[dict[str, 
 
 
 def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 90.0
     while run.status not in OVER and time.monotonic() < deadline:
         time.sleep(0.01)
         run = done(api, Modules.get_run(run.id))

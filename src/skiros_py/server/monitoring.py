@@ -21,6 +21,7 @@ from prometheus_client.registry import Collector
 from starlette.requests import Request
 
 from skiros_py.errors import escaped
+from skiros_py.server.problems import PREFIX
 from skiros_py.station.control import ControlThread
 from skiros_py.station.events.log import Event, EventLog, Kind
 from skiros_py.station.jobs.views import state_name
@@ -172,7 +173,7 @@ class Metrics(Collector):
             status: Status of the answer.
             seconds: Its duration [s].
         """
-        route = getattr(request.scope.get("route"), "path_format", "") or "none"
+        route = getattr(request.scope.get("route"), "path_format", "").removeprefix(PREFIX) or "none"
         method = request.method if request.method in _METHODS else "other"
         self._requests.labels(method, route, str(status)).observe(seconds)
 
