@@ -57,7 +57,7 @@ class Person:
             field.fill(text)
         self.page.get_by_role("option").filter(has_text=text).first.click()
 
-    def asked(self, about: str) -> Locator:
+    def asked(self, about: str | re.Pattern[str]) -> Locator:
         """What stands at the top of the page and waits for an answer."""
         top = self.page.get_by_role("region", name="Messages that need attention")
         return top.get_by_role("alert").filter(has_text=about)
