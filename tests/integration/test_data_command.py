@@ -7,13 +7,13 @@ import json
 import shutil
 import sqlite3
 import subprocess
-import sys
 from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support import warm_python
 from support.server_process import ServerProcess
 
 from skiros_py.errors import DeviceError
@@ -22,8 +22,7 @@ from .hard import LATER, STARTER, job_of, over
 
 
 def skiros(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "skiros_py.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return warm_python.run([*warm_python.SKIROS, *map(str, arguments)], timeout=120)
 
 
 def findings(data: Path) -> list[dict[str, str]]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import ast
 import re
 import shlex
-import subprocess
 import sys
 from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
+from support import warm_python
 from support.server_process import ServerProcess
 
 from skiros_py.cli.main import cli
@@ -39,7 +39,7 @@ def test_python_examples_run_as_printed(page, tmp_path):
     script.write_text(text, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-q", *PLUGIN, str(script)] if tests else [sys.executable, str(script)]
 
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    done = warm_python.run(command, cwd=tmp_path)
 
     assert done.returncode == 0, done.stdout + done.stderr
     checks = tests or "assert " in text or page.name in ("world.md", "records.md")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 import subprocess
-import sys
 import threading
 from pathlib import Path
 
+from support import warm_python
 from support.server_process import ServerProcess
 
 from skiros_py.api.events import EventInfo, ResetInfo
@@ -41,8 +41,8 @@ class Follower(threading.Thread):
 
 
 def watching(data: Path) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "skiros_py.cli", "job", "watch", "kept", "--data", str(data), "--json"]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = [*warm_python.SKIROS, "job", "watch", "kept", "--data", str(data), "--json"]
+    return warm_python.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def test_a_job_is_followed_across_a_restart_at_another_address(tmp_path: Path) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support import warm_python
 from support.server_process import ServerProcess
 
 from skiros_py.client import Client
@@ -18,8 +18,7 @@ STARTER = "InKit(Starter, kit_1)"
 
 
 def skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "skiros_py.cli", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    return warm_python.run([*warm_python.SKIROS, *arguments], timeout=120)
 
 
 @pytest.fixture(scope="module")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import get_args
 
 import httpx2
 from click.testing import CliRunner, Result
+from support import warm_python
 from support.serving import serving
 
 from skiros_py.api.server import RoleName
@@ -18,13 +18,7 @@ from skiros_py.server.access.roles import Role
 
 
 def _skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "skiros_py.cli", "key", *arguments],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    return warm_python.run([*warm_python.SKIROS, "key", *arguments], timeout=60)
 
 
 def test_a_key_created_in_the_shell_gives_access_until_it_is_revoked_there(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import mypy.api
 import pytest
+from support import warm_python
 
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
@@ -22,8 +23,7 @@ BAD = """@prefix : <http://bad#> . @prefix owl: <http://www.w3.org/2002/07/owl#>
 
 
 def skiros(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [str(BIN / "skiros"), "ontology", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
+    return warm_python.run([*warm_python.SKIROS, "ontology", *arguments], env={**os.environ, **environment})
 
 
 def test_the_installed_ontologies_check_clean_and_the_reasoner_is_named() -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
+
+from support import warm_python
 
 
 def skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "skiros_py.cli", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return warm_python.run([*warm_python.SKIROS, *arguments], timeout=120)
 
 
 def test_the_explanation_lists_what_was_added_to_each_skill_and_why() -> None:

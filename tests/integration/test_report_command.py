@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-
-SKIROS = Path(sys.executable).parent / "skiros"
+from support import warm_python
 
 
 def skiros(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(SKIROS), *arguments], capture_output=True, text=True, check=False, cwd=folder)
+    return warm_python.run([*warm_python.SKIROS, *arguments], cwd=folder)
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
+
+from support import warm_python
 
 from skiros_py.config import find_scene
 from skiros_py.station.worlds import open_data
 
 ROOT = Path(__file__).parents[2]
-SKIROS = Path(sys.executable).parent / "skiros"
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .
 @prefix kitting: <https://w3id.org/skiros-py/kitting#> .
 @prefix sk: <https://w3id.org/skiros-py/core#> .
@@ -21,14 +21,7 @@ scene:floor a sk:Floor .
 
 
 def skiros(*arguments: str, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [str(SKIROS), *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=cwd,
-        env={**os.environ, **environment},
-    )
+    return warm_python.run([*warm_python.SKIROS, *arguments], cwd=cwd, env={**os.environ, **environment})
 
 
 def test_scenes_are_listed_with_their_files(tmp_path: Path) -> None:

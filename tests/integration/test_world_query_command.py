@@ -5,18 +5,16 @@ from __future__ import annotations
 import io
 import json
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support import warm_python
 
 from skiros_py.cli.main import main
 from skiros_py.station.worlds import open_data
 
-SKIROS = Path(sys.executable).parent / "skiros"
 PARTS = "SELECT ?part { ?part sk:in $place } ORDER BY ?part"
 IN_PALLET_A = ["alternator_1", "relay_box_1", "starter_1"]
 
@@ -65,22 +63,15 @@ def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
 
 
 def test_querying_a_scene_in_the_shell_prints_a_table() -> None:
-    result = subprocess.run(
-        [str(SKIROS), "world", "query", "kitting", "-", "--bind", "place=pallet_a"],
-        input=PARTS,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [*warm_python.SKIROS, "world", "query", "kitting", "-", "--bind", "place=pallet_a"]
+    result = warm_python.run(command, typed=PARTS)
 
     assert (result.returncode, result.stderr) == (0, "")
     assert [line.strip() for line in result.stdout.splitlines()] == ["part", *IN_PALLET_A, "3 rows"]
 
 
 def test_a_fault_ends_a_shell_command_with_one_line_and_status_two() -> None:
-    result = subprocess.run(
-        [str(SKIROS), "world", "query", "kitting", "ASK { ?s ?p }"], capture_output=True, text=True, check=False
-    )
+    result = warm_python.run([*warm_python.SKIROS, "world", "query", "kitting", "ASK { ?s ?p }"])
 
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr.startswith("skiros: the query does not parse: line 1: ")

@@ -1,14 +1,15 @@
-"""A server for tests as people start it: ``skiros serve`` in a process of its own, which can be killed."""
+"""A server for tests: ``skiros serve`` in a process of its own, which can be killed."""
 
 from __future__ import annotations
 
 import json
 import signal
 import subprocess
-import sys
 import threading
 from pathlib import Path
 from typing import Self
+
+from support import warm_python
 
 from skiros_py.client import Client
 from skiros_py.errors import DeviceError
@@ -34,9 +35,8 @@ class ServerProcess:
 
     def __init__(self, *arguments: str, data: Path, port: int = 0) -> None:
         self.data = data
-        command = [sys.executable, "-m", "skiros_py.cli", "serve", *arguments]
-        self._process = subprocess.Popen(
-            [*command, "--data", str(data), "--port", str(port), "--json"],
+        self._process = warm_python.Popen(
+            [*warm_python.SKIROS, "serve", *arguments, "--data", str(data), "--port", str(port), "--json"],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
