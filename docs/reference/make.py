@@ -17,6 +17,7 @@ PAGES: Mapping[str, tuple[str, Sequence[str]]] = {
     "descriptions": (
         "Descriptions: skills, primitives, parameters, conditions",
         (
+            "skiros_py.authoring:SkillBase",
             "skiros_py.skills.skill:SkillDescription,Skill",
             "skiros_py.skills.primitive:Primitive",
             "skiros_py.skills.parameters",

@@ -287,8 +287,8 @@ def test_on_a_terminal_missing_arguments_are_prompted_for(package: Path) -> None
     assert process.returncode == 0, err
     assert "What holds after it" in err
     text = (package / "src" / "my_scanning" / "skills" / "scan.py").read_text(encoding="utf-8")
-    assert 'post=(INSPECTED("Part"),)' in text
-    assert 'Do.of("look_at", camera=P("Camera"))' in text
+    assert 'post = (INSPECTED("part"),)' in text
+    assert 'Do.of("look_at", camera=P("camera"))' in text
 
 
 # ---------------------------------------------------------------- what it refuses
@@ -304,16 +304,17 @@ BAD = {
     "skill scan --agent sk:Gripper --post 'Inspected(Gripper)'": "has no skill manager",
     "skill scan --agent sk:Arn --post 'Inspected(Part)'": "Did you mean 'sk:Arm'?",
     "skill scan --agent sk:Arm --post 'Inspcted(Arm)'": "Did you mean 'Inspected'?",
-    "skill scan --agent sk:Arm --post 'Inspected(Part)'": "unknown parameter 'Part' in Inspected(Part)",
+    "skill scan --agent sk:Arm --post 'Inspected(Part)'": "unknown parameter 'part' in Inspected(part)",
     "skill scan --agent sk:Arm --post 'Inspected(Arm, Arm)'": "takes (part), got (Arm, Arm)",
     "skill scan --agent sk:Arm --post 'Inspected(Arm)'": "it must be a sk:Manipulatable there",
     "skill scan --agent sk:Arm --post 'Inspected'": "write a word and parameters",
     "skill scan --agent sk:Arm --param Part:sk:Manipulatable --post 'Inspected(Part)' --do fly": "unknown primitive",
     "skill scan --agent sk:Arm --param Part:sk:Manipulatable --post 'Inspected(Part)' --target X": "as --target of",
-    "skill scan --agent sk:Arm --param A:sk:Manipulatable --param A:sk:Arm --post 'Inspected(A)'": "two parameters 'A'",
+    "skill scan --agent sk:Arm --param A:sk:Manipulatable --param A:sk:Arm --post 'Inspected(A)'": "two parameters 'a'",
     "skill go --agent sk:Arm --param A:sk:Robot --param B:sk:Station --post 'not RobotAtLocation(A, B)'": "is not so",
-    "skill inspected --agent sk:Arm --param P:sk:Manipulatable --post 'Inspected(P)'"
-    " --do look_at": "two things called INSPECTED",
+    "skill kind --agent sk:Arm --param P:sk:Manipulatable --post 'Inspected(P)'": "two things called Kind",
+    "skill scan --agent sk:Arm --param target:sk:Manipulatable --post 'Inspected(target)'": "something called 'target'",
+    "skill scan --agent sk:Arm --param In:sk:Manipulatable --post 'Inspected(In)'": "a word of Python",
     "skill scan --agent sk:Arm --param Part:kitting:Part --param Box:kitting:Box --param Kit:kitting:Kit"
     " --post 'InKit(Part, Kit)'": "cannot be brought about",
     "primitive read --param camera": "write KEY:TYPE",
@@ -439,9 +440,8 @@ def test_preconditions_that_a_generated_scene_cannot_fulfil_are_reported_with_th
     status, out, _ = skiros("new", "skill", "squeeze", "--agent", "sk:Arm", *params, *wanted, "--json")
 
     assert status == 0
-    scene, pretended = json.loads(out)["notes"]
-    assert "scenes/squeeze.ttl does not make it true: FitsIn(Part, Slot) (the size of part_1 is not known)" in scene
-    assert "only pretended" in pretended
+    (scene,) = json.loads(out)["notes"]
+    assert "scenes/squeeze.ttl does not make it true: FitsIn(part, slot) (the size of part_1 is not known)" in scene
 
 
 def test_without_installed_skills_a_new_skill_names_no_robot(package: Path) -> None:
@@ -453,5 +453,5 @@ def test_without_installed_skills_a_new_skill_names_no_robot(package: Path) -> N
         )
 
     text = draft.new["src/my_scanning/skills/scan.py"]
-    assert "Robot" not in text
-    assert 'Param("Part", "sk:Manipulatable", "The part.")' in text
+    assert "robot" not in text
+    assert 'part: str = param("sk:Manipulatable", "The part.")' in text

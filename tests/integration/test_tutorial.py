@@ -41,6 +41,12 @@ def steps() -> Iterator[tuple[str, str]]:
             yield from (("$", line.removeprefix("$ ")) for line in part[3].splitlines())
 
 
+def test_the_skill_of_the_tutorial_takes_no_more_than_24_lines() -> None:
+    (text,) = (text for what, text in steps() if what == "src/my_scanning/skills/scan.py")
+
+    assert sum(bool(line.strip()) for line in text.splitlines()) <= 24
+
+
 @pytest.mark.timeout(900)
 def test_the_tutorial_leads_from_an_empty_folder_to_a_new_skill_that_is_executed(wheels: Path, tmp_path: Path) -> None:
     home, here = tmp_path, ROOT
@@ -70,9 +76,9 @@ def test_the_tutorial_leads_from_an_empty_folder_to_a_new_skill_that_is_executed
             said[text] = done.stdout
 
     assert "site-packages" in said["skiros plugins scan"]
-    assert "scan(Arm=arm_1" in said["skiros plan scan_cell"]
+    assert "scan(arm=arm_1" in said["skiros plan scan_cell"]
     assert "goal reached" in said["skiros run scan_cell --fake"]
     assert "goal reached" in said["skiros run scan_cell"]
     assert re.search(
-        r"pre +no +Holding\(Gripper, Part\)", said["skiros module show scan --scene scan_cell --param Part=starter_1"]
+        r"pre +no +Holding\(gripper, part\)", said["skiros module show scan --scene scan_cell --param part=starter_1"]
     )

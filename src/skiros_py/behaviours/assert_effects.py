@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import check_seconds
-from skiros_py.behaviours.wait import pause_for
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_texts, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
@@ -41,7 +40,7 @@ class AssertEffects(Behaviour):
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Waits, then writes."""
-        yield from pause_for(self.seconds, scope)
+        yield from scope.context.sleep(self.seconds)
         effects = scope.context.effects
         if effects is None:
             return Failure("there is no skill here whose effects could be pretended")

@@ -28,12 +28,5 @@ class Wait(Behaviour):
 
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Waits."""
-        yield from pause_for(self.seconds, scope)
+        yield from scope.context.sleep(self.seconds)
         return Success()
-
-
-def pause_for(seconds: float, scope: Scope) -> Execution[None]:
-    """Ticks until so much run time has passed [s]."""
-    end = scope.context.now + seconds
-    while scope.context.now < end - 1e-9:
-        yield

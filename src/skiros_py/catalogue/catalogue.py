@@ -252,6 +252,10 @@ def clashes_of_modules(skills: Sequence[Named], primitives: Collection[Entry]) -
     both = [entry for entry in primitives if entry.name in by_name]
     reasons = {entry.name: _both(entry, by_name[entry.name]) for entry in both}
     of_skills = {one.key: reason for name, reason in reasons.items() for one in by_name[name]}
+    entries: dict[str, Entry] = {}
+    for entry in primitives:
+        if (other := entries.setdefault(entry.name, entry)) != entry:
+            reasons[entry.name] = f"'{entry.name}' is the name of two primitives, {other} and {entry}: rename one"
     for name, own in by_name.items():
         if name not in reasons:
             of_skills |= dict(_among_skills(name, own))

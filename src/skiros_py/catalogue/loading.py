@@ -11,6 +11,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
+from skiros_py.authoring import SkillBase
 from skiros_py.behaviours.document_kind import DocumentKind
 from skiros_py.catalogue.catalogue import (
     Catalogue,
@@ -28,7 +29,7 @@ from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.plugins.installation import GROUPS, installation
 from skiros_py.plugins.loading import LazyPlugins, fault_of, load, load_plugins
-from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, by_cause, own_name
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, by_cause
 from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.device_kinds import device_problem, load_device_kinds
@@ -70,13 +71,24 @@ class Kind:
 
 
 def skills_of(plugin: Plugin) -> Mapping[str, Skill]:
-    """Returns the skills that an entry point names: one under its name, several as ``name[1]``, ``name[2]``, …."""
+    """Returns the skills that an entry point names: one under its name, several as ``name[1]``, ``name[2]``, ….
+
+    A class makes one under its name, and ``name[fake]``.
+    """
     if isinstance(plugin.value, Skill):
         return {plugin.name: plugin.value}
+    if _is_skill_class(plugin.value):
+        return {plugin.name: plugin.value.skill, f"{plugin.name}[fake]": plugin.value.fake}
     return {f"{plugin.name}[{number}]": skill for number, skill in enumerate(plugin.value, start=1)}
 
 
+def _is_skill_class(value: Any) -> bool:
+    return isinstance(value, type) and issubclass(value, SkillBase) and "skill" in vars(value)
+
+
 def _is_skill(value: Any) -> bool:
+    if _is_skill_class(value):
+        return True
     if isinstance(value, Sequence) and not isinstance(value, str) and value:
         return all(isinstance(one, Skill) for one in value)
     return isinstance(value, Skill)
@@ -155,7 +167,7 @@ _is_robot = _instance_of(RobotModel, Path, Traversable)
 KINDS: Mapping[str, Kind] = {
     kind.group: kind
     for kind in (
-        Kind("skiros.skills", "a Skill, or a sequence of them", _is_skill, _wrong_skill),
+        Kind("skiros.skills", "a Skill, a sequence of them, or a SkillBase class", _is_skill, _wrong_skill),
         Kind("skiros.primitives", "a subclass of Primitive", _subclass_of(Primitive), _wrong_primitive),
         Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _of_kind),
         Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _of_kind),
@@ -187,7 +199,8 @@ def load_catalogue() -> Catalogue:
     found = _Found()
     lazy: dict[str, Any] = {kind: LazyPlugins(found.entries(kind), _problem) for kind in _LAZY}
     kinds: dict[str, Any] = {kind: LazyPlugins(found.entries(kind), _problem, kind_offered) for kind in _KINDS}
-    primitives, skills, conditions = found.entries("primitives"), found.skills(), found.conditions()
+    skills, conditions = found.skills(), found.conditions()
+    primitives = [*found.entries("primitives"), *found.primitives_of(skills)]
     names = OfferedNames.of(skills, primitives, conditions)
     primitives = [names.entry(entry) for entry in primitives]
     skills, conditions = list(map(names.named, skills)), list(map(names.named, conditions))
@@ -231,6 +244,14 @@ class _Found:
     def skills(self) -> list[Named]:
         """Loads the skills."""
         return [Named(p, key, skill) for p in self._plugins("skills") for key, skill in skills_of(p).items()]
+
+    def primitives_of(self, skills: Iterable[Named]) -> Iterator[Entry]:
+        """Yields entry points of the primitives that come with skills."""
+        distributions = {str(distribution): distribution for distribution in installation().distributions}
+        for own, class_ in dict.fromkeys((s.plugin.distribution, one) for s in skills for one in s.value.primitives):
+            self.sources[f"primitives/{class_.name}"] = own
+            value = f"{class_.__module__}:{class_.__qualname__}"
+            yield Entry("skiros.primitives", class_.name, value, distributions[own])
 
     def conditions(self) -> list[Named]:
         """Loads the conditions."""
@@ -329,8 +350,8 @@ def _problems(
 
 
 def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> PluginFault:
-    source = catalogue.sources.get(f"skills/{name}", "this catalogue")
-    return PluginFault("skiros.skills", name, source, reason, trace)
+    source, (origin, line) = catalogue.sources.get(f"skills/{name}", "this catalogue"), catalogue.skills[name].source
+    return PluginFault("skiros.skills", name, source, reason, trace, origin, line=line)
 
 
 def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
@@ -389,7 +410,7 @@ def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
 
 def _is_about(fault: PluginFault, entry: Entry) -> bool:
     same = (fault.group, fault.distribution) == (entry.group, str(entry.distribution))
-    return same and own_name(fault.name, fault.distribution) == entry.own_name
+    return same and fault.name in (entry.name, entry.own_name)
 
 
 def _of_code() -> tuple[PluginFault, ...]:

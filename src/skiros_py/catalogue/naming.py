@@ -56,7 +56,7 @@ class OfferedNames:
 
     def entry(self, entry: Entry) -> Entry:
         """Returns a primitive's entry point under the name that it is offered under."""
-        return replace(entry, name=self.modules.get(str(entry.distribution), {}).get(entry.own_name, entry.name))
+        return entry.offered(self.modules.get(str(entry.distribution), {}).get(entry.own_name, entry.name))
 
     def named(self, thing: Named) -> Named:
         """Returns a skill or condition with the names under which it and what it uses are offered."""

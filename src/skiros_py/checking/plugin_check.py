@@ -101,6 +101,7 @@ def _subjects(plugin: Plugin) -> Iterator[Subject]:
     if plugin.group == "skiros.skills":
         for skill in skills_of(plugin).values():
             yield from (skill.description, skill)
+            yield from skill.primitives
     else:
         yield plugin.value
 
@@ -154,7 +155,11 @@ def _spot(entry: Entry, subject: Subject) -> Spot | None:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         return Spot(file, 1)
-    places = (re.search(rf"^{re.escape(one)}\b[^=\n]*=", text, re.MULTILINE) for one in (name, entry.attribute) if one)
+    places = (
+        re.search(rf"^(class )?{re.escape(one)}\b[^=\n]*[=:]", text, re.MULTILINE)
+        for one in (name, entry.attribute)
+        if one
+    )
     found = next(filter(None, places), None)
     return Spot(file, 1 if found is None else text.count("\n", 0, found.start()) + 1)
 
@@ -252,6 +257,7 @@ def _known(parts: Sequence[Part]) -> Known:
     ontology, _ = load_installed(ontology_paths())
     reasoners, _ = load_reasoners(ontology)
     primitives = {part.entry.name: part.subject for part in parts if isinstance(part.subject, type)}
+    primitives |= {one.name: one for skill in _skills(parts) for one in skill.primitives}
     return Known(ontology, primitives, _skills(parts), reasoners)
 
 
@@ -286,11 +292,11 @@ def _not_loaded(fault: PluginFault) -> Finding:
 
 
 def _raised_at(fault: PluginFault) -> Spot | None:
-    """Returns the last line of the plug-in's own code in a traceback."""
+    """Returns where a fault is: the last line of the plug-in's own code in a traceback, if it has one."""
     frame = authors_line(fault.traceback)
     if frame is not None:
         return Spot(frame[0], frame[1])
-    return Spot(Path(fault.origin), 1) if fault.origin else None
+    return Spot(Path(fault.origin), fault.line or 1) if fault.origin else None
 
 
 # -------------------------------------------------------------------- contract tests

@@ -53,7 +53,7 @@ def _group(given: str | None) -> str | None:
 
 
 def _table(listed: Sequence[Surveyed], others: Sequence[PluginFault], *, tracebacks: bool) -> Iterator[str]:
-    rows = [(*_row(one), "works" if one.works else "; ".join(f.reason for f in one.faults)) for one in listed]
+    rows = [(*_row(one), "works" if one.works else "; ".join(f.reason_and_place for f in one.faults)) for one in listed]
     yield from table_lines(("group", "name", "distribution", "object", "state"), rows)
     for fault in others:
         yield f"{fault.distribution}: {fault.reason} ({fault.origin})"
@@ -82,4 +82,4 @@ def _in_full(listed: Sequence[Surveyed]) -> Iterator[str]:
         }
         yield from (f"{title:9} {text}" for title, text in said.items())
         for fault in one.faults:
-            yield from (f"{'reason':9} {fault.reason}", *fault.traceback.splitlines())
+            yield from (f"{'reason':9} {fault.reason_and_place}", *fault.traceback.splitlines())

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from email.message import Message
 from email.parser import HeaderParser
 from functools import lru_cache
@@ -107,7 +107,7 @@ def _named_apart(entries: Sequence[Entry]) -> Iterator[Entry]:
     claims = [(entry.group, entry.name, str(entry.distribution)) for entry in entries]
     for entry, (group, name, distribution) in zip(entries, claims, strict=True):
         holders = {other for *key, other in claims if key == [group, name]}
-        yield entry if has_bare_name(distribution, holders) else replace(entry, name=qualified(name, distribution))
+        yield entry if has_bare_name(distribution, holders) else entry.offered(qualified(name, distribution))
 
 
 def has_bare_name(distribution: str, holders: Iterable[str]) -> bool:

@@ -18,10 +18,10 @@ from pathlib import Path
 from threading import RLock
 from typing import Any, NoReturn, TypeVar
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.interruptions import by_user, limited
 from skiros_py.plugins.installation import installation, misfit
-from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, locate, origin_of
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault, authors_line, locate, origin_of
 
 T = TypeVar("T")
 
@@ -88,7 +88,7 @@ def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None)
         with _LOADING, redirect_stdout(sys.stderr), _staying_alive():  # stdout is the command's answer
             point = EntryPoint(entry.name, entry.value, entry.group)
             value = limited(lambda: f"loading plug-in {entry.name} of {entry.distribution}", _LONGEST, point.load)
-        plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
+        plugin = Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module, entry.declared)
         reason = problem(plugin)
     except BaseException as error:
         if by_user(error):
@@ -133,7 +133,15 @@ def _contained(entry: Entry, error: BaseException) -> PluginFault:
     if isinstance(error, ModuleNotFoundError) and locate(entry.module) is None:
         gone = f"ModuleNotFoundError: No module named '{entry.module}': the entry point is stale;"
         return fault_of(entry, f"{gone} install {entry.distribution.name} again, or uninstall it", trace)
-    return replace(fault_of(entry, _told(error), trace), unknown=_unknown(error))
+    return _located(fault_of(entry, _told(error), trace), error)
+
+
+def _located(fault: PluginFault, error: BaseException) -> PluginFault:
+    """Adds the author's line to a fault; of a mistake that the platform describes itself, that is all there is to say."""
+    unknown = error.kind if isinstance(error, UnknownName) else ""
+    if not isinstance(error, SkirosError) or (frame := authors_line(fault.traceback)) is None:
+        return replace(fault, unknown=unknown)
+    return replace(fault, unknown=unknown, traceback="", origin=str(frame[0]), line=frame[1])
 
 
 def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
@@ -147,12 +155,7 @@ def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
     except BaseException as error:
         if by_user(error):
             raise
-        fault = plugin.fault(_told(error), "".join(traceback.format_exception(error)))
-        return replace(fault, unknown=_unknown(error))
-
-
-def _unknown(error: BaseException) -> str:
-    return error.kind if isinstance(error, UnknownName) else ""
+        return _located(plugin.fault(_told(error), "".join(traceback.format_exception(error))), error)
 
 
 def fault_of(entry: Entry, reason: str, trace: str = "") -> PluginFault:

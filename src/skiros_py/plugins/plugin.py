@@ -77,11 +77,6 @@ def qualified(name: str, distribution: str) -> str:
     return f"{canonical(distribution.partition(' ')[0])}.{name}"
 
 
-def own_name(name: str, distribution: str) -> str:
-    """Returns the name that something has in its distribution, whether it is offered under a qualified one or not."""
-    return name.removeprefix(qualified("", distribution))
-
-
 _REFERENCE = re.compile(r"\s*([\w.]+)\s*(?::\s*([\w.]+)\s*)?(?:\[.*\]\s*)?")
 
 
@@ -114,17 +109,23 @@ class Entry:
         name: Name under which it is offered: that in the metadata, qualified by its distribution where it clashes.
         value: Its object reference ("skiros_skills.drive:DRIVE").
         distribution: Its distribution.
+        declared: Its name in the metadata, where it is offered under another one.
     """
 
     group: str
     name: str
     value: str
     distribution: Distribution
+    declared: str = ""
 
     @property
     def own_name(self) -> str:
         """Its name in the metadata of its distribution."""
-        return own_name(self.name, self.distribution.name)
+        return self.declared or self.name
+
+    def offered(self, name: str) -> Entry:
+        """Returns it under the name that it is offered under."""
+        return replace(self, name=name, declared=self.own_name)
 
     @property
     def is_well_formed(self) -> bool:
@@ -157,6 +158,7 @@ class Plugin:
         distribution: Its distribution, with version ("skiros-skills 0.1.0").
         value: The object it names.
         module: The module it was found in.
+        declared: Its name in the metadata, where it is offered under another one.
     """
 
     group: str
@@ -164,11 +166,12 @@ class Plugin:
     distribution: str
     value: Any
     module: str = ""
+    declared: str = ""
 
     @property
     def own_name(self) -> str:
         """Its name in the metadata of its distribution."""
-        return own_name(self.name, self.distribution)
+        return self.declared or self.name
 
     @property
     def is_builtin(self) -> bool:
@@ -190,9 +193,10 @@ class PluginFault:
         name: Name under which it would be offered.
         distribution: Its distribution, with version.
         reason: Why.
-        traceback: The stack of the error; empty if none was raised.
-        origin: File of the module it names; empty if it has none.
+        traceback: The stack of the error; empty if none was raised, or the reason and the line say all.
+        origin: File in which the fault is, or of the module it names; empty if it has none.
         unknown: Kind of the name that it uses and that does not exist ("parameter"); empty for other faults.
+        line: Line of that file; 0 where it is not known.
     """
 
     group: str
@@ -202,9 +206,15 @@ class PluginFault:
     traceback: str
     origin: str = ""
     unknown: str = ""
+    line: int = 0
+
+    @property
+    def reason_and_place(self) -> str:
+        """The reason, and file and line if they are known."""
+        return f"{self.reason} ({self.origin}:{self.line})" if self.line else self.reason
 
     def __str__(self) -> str:
-        return f"plug-in {self.name} of {self.distribution} did not load: {self.reason}"
+        return f"plug-in {self.name} of {self.distribution} did not load: {self.reason_and_place}"
 
 
 def by_cause(faults: Iterable[PluginFault]) -> list[PluginFault]:

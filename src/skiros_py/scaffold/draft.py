@@ -72,12 +72,12 @@ def call(arguments: Sequence[str], head: str, indent: int = 0, tail: str = ",") 
 
 
 def listed(items: Sequence[str], head: str, indent: int = 0) -> str:
-    """Writes a tuple: one of a single item on one line where it fits, any other with one item a line."""
-    line = f"{head}({items[0]},),"
-    if len(items) == 1 and indent + len(line) <= _WIDTH:
+    """Writes a tuple: on one line where it fits, or with one item a line."""
+    line = f"{head}({', '.join(items)}{',' if len(items) == 1 else ''})"
+    if indent + len(line) <= _WIDTH:
         return line
     inner = "".join(f"{' ' * (indent + 4)}{item},\n" for item in items)
-    return f"{head}(\n{inner}{' ' * indent}),"
+    return f"{head}(\n{inner}{' ' * indent})"
 
 
 def imports(pairs: Iterable[tuple[str, str]]) -> str:

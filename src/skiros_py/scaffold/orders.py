@@ -73,19 +73,19 @@ class NewSkill(Order):
     """
 
     example = (
-        "skill scan --agent sk:Arm --param Part:sk:Manipulatable --param Station:sk:Station"
-        " --pre 'RobotAtLocation(Robot, Station)' --post 'Scanned(Part)' --do read_code"
+        "skill scan --agent sk:Arm --param part:sk:Manipulatable --param station:sk:Station"
+        " --pre 'RobotAtLocation(robot, station)' --post 'Scanned(part)'"
     )
     enough: ClassVar[_Sets] = (("agent", "post"),)
 
     agent: str = _option("--agent", "CLASS", "Class of the subsystem that does it", "sk:Arm", needed=True)
     params: tuple[str, ...] = _options(
-        "--param", "KEY:CLASS", "A parameter, perhaps with ' -- HELP'", "Part:sk:Manipulatable"
+        "--param", "KEY:CLASS", "A parameter, perhaps with ' -- HELP'", "part:sk:Manipulatable"
     )
-    pre: tuple[str, ...] = _options("--pre", "CONDITION", "What must hold before", "RobotAtLocation(Robot, Station)")
-    post: tuple[str, ...] = _options("--post", "CONDITION", "What holds after it", "Inspected(Part)")
+    pre: tuple[str, ...] = _options("--pre", "CONDITION", "What must hold before", "RobotAtLocation(robot, station)")
+    post: tuple[str, ...] = _options("--post", "CONDITION", "What holds after it", "Inspected(part)")
     do: tuple[str, ...] = _options(
-        "--do", "PRIMITIVE", "What it does, in order; by default it only pretends", "look_at"
+        "--do", "PRIMITIVE", "What it does, in order; by default, what you write into it", "look_at"
     )
     target: str = _option("--target", "KEY", "The parameter it is done to")
     robot: str = _robot()

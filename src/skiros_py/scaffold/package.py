@@ -119,11 +119,11 @@ def _orders(said: NewPackage) -> Iterator[tuple[Callable[[Knowledge, Any], Draft
     yield draft_condition, NewCondition(word, roles=("part:sk:Manipulatable",), property=f"{name}:{property_}")
     looks = ("camera:sk:Camera -- The camera to look with", "seconds:number=1.0 [s] -- How long it looks")
     yield draft_primitive, NewPrimitive(said.primitive, help="Looks for a while with a camera", params=looks)
-    help_, part = "Looks at a part, from where it can be worked at", "Part:sk:Manipulatable -- The part."
-    skill = NewSkill(said.skill, help_, agent="sk:Arm", params=(part,), post=(f"{word}(Part)",), do=(said.primitive,))
+    help_, part = "Looks at a part, from where it can be worked at", "part:sk:Manipulatable -- The part."
+    skill = NewSkill(said.skill, help_, agent="sk:Arm", params=(part,), post=(f"{word}(part)",), do=(said.primitive,))
     if taken_by("condition", "RobotAtLocation") is not None:  # skills are installed that take the robot there
-        station = "Station:sk:Station -- Where the part can be worked at."
-        skill = replace(skill, params=(part, station), pre=("RobotAtLocation(Robot, Station)",))
+        station = "station:sk:Station -- Where the part can be worked at."
+        skill = replace(skill, params=(part, station), pre=("RobotAtLocation(robot, station)",))
     yield draft_skill, skill
     things = (f"part:{name}:Marker", "station:sk:Station")
     yield draft_scene, NewScene(name, things=things, goals=(f"{word}(part)",))

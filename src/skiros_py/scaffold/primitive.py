@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
+from skiros_py.authoring import SkillBase
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.declared import PYTHON_TYPES, joined, module_name, read_parameter, words_of
 from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewPrimitive
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage
-from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.parameters.fields import names_of_runs
 from skiros_py.skills.parameters.values import SAMPLES
 
 _OF_TEST_KIT = frozenset(
@@ -44,12 +47,10 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     values = known.project.names("primitives", name, name, said.help or words_of(name), class_name=class_)
     params = tuple(read_parameter(text, known.ontology) for text in said.params)
     check_keys(params, f"primitive '{name}'")
-    for param in params:
-        module_name(param.key, f"parameter of primitive '{name}':")
     stage = Stage(known, name, said.robot)
     arguments = list(_trial_arguments(params, stage))
     texts = (
-        _module(values, params),
+        render("primitive.py", **values, **declarations(params)),
         render("primitive_test.py", **values, arguments=arguments),
         stage.turtle(f"A robot that can {words_of(name)}."),
     )
@@ -68,33 +69,33 @@ def check_keys(params: Sequence[Param], owner: str) -> None:
         raise UsageError(f"{owner} has two parameters '{twice[0]}'")
     if taken := sorted(_OF_TEST_KIT.intersection(keys)):
         raise UsageError(f"{owner}: a parameter '{taken[0]}' could not be given in a test; choose another name")
+    if taken := sorted(names_of_runs(SkillBase).intersection(keys)):
+        raise UsageError(f"{owner}: every run has something called '{taken[0]}'; choose another name for the parameter")
+    for key in keys:
+        module_name(key, f"parameter of {owner}:")
 
 
-def _module(values: dict[str, str], params: Sequence[Param]) -> str:
-    in_order = sorted(params, key=lambda param: param.default is not None)  # those with a default come last
-    heads = [f"{param.key}: {PYTHON_TYPES.get(param.type_name, 'str')} = param" for param in in_order]
-    return render(
-        "primitive.py",
-        **values,
-        kinds=any(param.kind is not Kind.ONLINE for param in params),
-        fields=list(zip(heads, (arguments_of(param, "kind=") for param in in_order), strict=True)),
-        seconds=any(param.key == "seconds" and param.type == "number" for param in params),
-    )
+def declarations(params: Sequence[Param]) -> dict[str, Any]:
+    """Returns what a template needs to declare parameters in a class: each as what precedes its arguments, and those."""
+    heads = [f"{param.key}: {PYTHON_TYPES.get(param.type_name, 'str')} = param" for param in params]
+    return {
+        "kinds": any(param.kind.name in _SAID for param in params),
+        "fields": list(zip(heads, map(_arguments_of, params), strict=True)),
+        "seconds": any(param.key == "seconds" and param.type == "number" for param in params),
+    }
 
 
-def arguments_of(param: Param, kind: str = "") -> list[str]:
-    """Returns the arguments that declare a parameter, after its key.
+_SAID = ("HARDWARE", "PLANNING")
+"""Kinds that a declaration says: the others follow from whether there is a default."""
 
-    Args:
-        param: The parameter.
-        kind: What precedes its kind ("kind=").
-    """
+
+def _arguments_of(param: Param) -> list[str]:
     given = (
+        (f"kind=Kind.{param.kind.name}", param.kind.name in _SAID),
         (f"default={literal(param.default)}", param.default is not None),
         (f"unit={literal(param.unit)}", param.unit),
     )
-    kinds = [] if param.kind is Kind.ONLINE else [f"{kind}Kind.{param.kind.name}"]
-    return [literal(param.type), literal(param.help), *kinds, *(text for text, is_given in given if is_given)]
+    return [literal(param.type), literal(param.help), *(text for text, is_given in given if is_given)]
 
 
 def _trial_arguments(params: Iterable[Param], stage: Stage) -> Iterator[str]:

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
 
+from skiros_py.authoring import skill_name
 from skiros_py.errors import DescriptionError, PlanningError, UnknownName, UsageError
 from skiros_py.planning.domain.literals import expand
-from skiros_py.scaffold.declared import (
-    constant_name,
-    kind_of,
-    module_name,
-    read_parameter,
-    words_of,
-)
+from skiros_py.scaffold.declared import joined, kind_of, module_name, read_parameter, snake_case, words_of
 from skiros_py.scaffold.draft import Draft, literal, render
 from skiros_py.scaffold.orders import NewSkill
-from skiros_py.scaffold.primitive import arguments_of, check_keys
+from skiros_py.scaffold.primitive import check_keys, declarations
 from skiros_py.scaffold.project import Knowledge
 from skiros_py.scaffold.stage import Stage, open_questions
 from skiros_py.skills.conditions import Condition, Not, Related
@@ -28,7 +23,7 @@ from skiros_py.skills.parameters.values import SAMPLES
 from skiros_py.world.names import local_name
 
 _HAS_PART = "HasPart"
-_ROBOT = "Robot"
+_ROBOT = "robot"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,17 +43,17 @@ class Described:
 
 
 def described(known: Knowledge, said: NewSkill) -> Described:
-    """Creates a description from the author's options.
+    """Creates a description from the author's options; keys are spelt as Python spells attributes ("Part": "part").
 
     Raises:
         UsageError: An option is not valid; the text explains what would be.
     """
     skill = f"skill '{said.name}'"
-    own = [read_parameter(text, known.ontology) for text in said.params]
+    own = [replace(p, key=snake_case(p.key)) for p in (read_parameter(text, known.ontology) for text in said.params)]
+    check_keys(own, skill)
     agent = _agent(known, said, own)
     params = [agent, *(param for param in own if param.key != agent.key)]
-    check_keys(own, skill)
-    pre, post = ([known.read_condition(text, skill) for text in texts] for texts in (said.pre, said.post))
+    pre, post = ([_spelt(known.read_condition(text, skill)) for text in texts] for texts in (said.pre, said.post))
     if not post:
         raise UsageError(f"{skill}: give a --post, such as 'Scanned(Part)': what it brings about")
     params += _missing_devices(known, said, params)
@@ -73,6 +68,10 @@ def described(known: Knowledge, said: NewSkill) -> Described:
     return Described(agent.key, _target(said, params, post), tuple(params), (*implied, *pre), tuple(post))
 
 
+def _spelt(condition: Condition) -> Condition:
+    return replace(condition, arguments=tuple(map(snake_case, condition.arguments)))
+
+
 def _agent(known: Knowledge, said: NewSkill, own: Sequence[Param]) -> Param:
     """Returns the parameter for the executing subsystem: one declared by the author, else a new one."""
     if not said.agent:
@@ -81,7 +80,7 @@ def _agent(known: Knowledge, said: NewSkill, own: Sequence[Param]) -> Param:
     if not known.ontology.is_a(class_, "sk:Agent"):
         agents = ", ".join(known.ontology.subclasses("sk:Agent"))
         raise UsageError(f"skill '{said.name}': --agent {class_} has no skill manager; there is {agents}")
-    key = local_name(class_)
+    key = snake_case(local_name(class_))
     help_ = f"The {words_of(key)} that does it."
     return next((p for p in own if p.type == class_), Param(key, class_, help_, Kind.HARDWARE))
 
@@ -93,7 +92,7 @@ def _missing_devices(known: Knowledge, said: NewSkill, params: Sequence[Param]) 
         type_ = param.type_name
         if param.kind is Kind.HARDWARE and not any(known.ontology.is_a(own, type_) for own in there):
             there.append(type_)
-            yield Param(local_name(type_), type_, param.help, kind_of(type_, known.ontology))
+            yield Param(snake_case(local_name(type_)), type_, param.help, kind_of(type_, known.ontology))
 
 
 def _with_robot(
@@ -134,25 +133,25 @@ def _check_arguments(known: Knowledge, condition: Condition, params: Sequence[Pa
 
 def _target(said: NewSkill, params: Sequence[Param], post: Sequence[Condition]) -> str:
     keys = [param.key for param in params]
-    if said.target:
-        if said.target not in keys:
-            raise UnknownName("parameter", said.target, keys, where=f"as --target of skill '{said.name}'")
-        return said.target
+    if target := snake_case(said.target):
+        if target not in keys:
+            raise UnknownName("parameter", target, keys, where=f"as --target of skill '{said.name}'")
+        return target
     spoken_of = [argument for one in post for argument in one.arguments]
     things = [param.key for param in params if param.is_element and param.kind is Kind.ONLINE]
     return next((key for key in things if key in spoken_of), (*things, *spoken_of)[0])
 
 
 def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
-    """Writes a skill with an implementation for the fake robot and, of primitives, one for every other; and its test.
+    """Writes a skill, composed of primitives or with a body of its own; and its test.
 
     Raises:
         UsageError: An option is not valid; the text explains what would be.
     """
     name = module_name(said.name, "skill")
     known.check_free("skill", name)
-    package, constant = known.project.package, constant_name(name)
-    values = known.project.names("skills", name, name, said.help or words_of(name), constant=constant)
+    package, class_ = known.project.package, joined(name)
+    values = known.project.names("skills", name, name, said.help or words_of(name), class_name=class_)
     skill = described(known, said)
     origins = {word: known.origin("skiros.conditions", word) for word in skill.words}
     calls = calls_of(known, said.do, skill.params)
@@ -173,10 +172,10 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
             calls=calls,
             foreign=[pair for pair, own in is_own.items() if not own],
             own=[pair for pair, own in is_own.items() if own],
-            kinds=any(param.kind is not Kind.ONLINE for param in skill.params),
+            is_named=skill_name(class_) != name,
             agent=skill.agent,
             target=skill.target,
-            params=[[literal(param.key), *arguments_of(param)] for param in skill.params],
+            **declarations(skill.params),
             conditions=[(key, written(some)) for key, some in (("pre", skill.pre), ("post", skill.post)) if some],
         ),
         render(
@@ -188,11 +187,8 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
         f"tests/skills/scenes/{name}.ttl does not make it true: {why}; see to it by hand"
         for why in open_questions(stage, skill.pre, cast)
     ]
-    if not said.do:
-        notes.append(f"{name} is only pretended: give --do PRIMITIVE, or add an implementation later")
-    entries = {**({name: constant} if said.do else {}), f"{name}_fake": f"{constant}_FAKE"}
     needs = [origin.distribution.name for origin in origins.values()]
-    return known.project.module_draft("skills", name, entries, texts, needs, notes)
+    return known.project.module_draft("skills", name, {name: class_}, texts, needs, notes)
 
 
 def _staged(known: Knowledge, said: NewSkill, skill: Described, stage: Stage) -> Mapping[str, str]:
@@ -238,13 +234,13 @@ def _trial(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cas
     """
     package = known.project.package
     origins = [known.origin("skiros.primitives", name) for name in dict.fromkeys(said.do)]
-    if not origins or any(o.module.partition(".")[0] != package for o in origins):
-        return {"own": [], "primitives": []}
+    if any(o.module.partition(".")[0] != package for o in origins):
+        return {"own": []}
     given = [(p.key, cast.get(p.key, SAMPLES.get(p.type_name))) for p in skill.params if p.kind is Kind.ONLINE]
-    own = [(f"{package}.skills.{said.name}", constant_name(said.name)), *((o.module, o.attribute) for o in origins)]
+    own = [(f"{package}.skills.{said.name}", joined(said.name)), *((o.module, o.attribute) for o in origins)]
     return {
         "own": own,
-        "primitives": [origin.attribute for origin in origins],
+        "primitives": [f"primitives=[{', '.join(origin.attribute for origin in origins)}]"] if origins else [],
         "places": [list(map(literal, place)) for place in stage.left_to_robot],
         "arguments": [f"{key}={literal(value)}" for key, value in given],
     }

@@ -261,6 +261,12 @@ class RunContext:
         """Time of this run [s]: it stands still while the run is paused, so that a trajectory waits, too."""
         return self.clock.now
 
+    def sleep(self, seconds: float) -> Execution[None]:
+        """Ticks until so much time of this run has passed [s]: ``yield from self.context.sleep(0.5)``."""
+        end = self.now + seconds
+        while self.now < end - 1e-9:
+            yield
+
     def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
         """Returns the adapter for a device: ``context.port(ArmPlanner, "panda_1")``.
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction
 from types import MappingProxyType
 from typing import Any, ClassVar, Generic, TypeVar
@@ -13,6 +16,7 @@ from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 from skiros_py.skills.parameters import Output, check_params
+from skiros_py.skills.parameters.fields import own_fields, params_class
 from skiros_py.world.element import Value
 from skiros_py.world.world import World
 
@@ -33,7 +37,8 @@ class Primitive(ABC, Generic[P]):
 
     Class attributes:
         name: Its name; compositions refer to it.
-        Params: Frozen dataclass whose fields are declared with :func:`~skiros_py.skills.parameters.param`.
+        Params: Frozen dataclass whose fields are declared with :func:`~skiros_py.skills.parameters.param`. It is made
+            by itself where they are declared in the class: ``arm: str = param(…)`` is ``self.arm`` in a run.
         takes: Further fields of ``Params``, besides those of kind HARDWARE, whose element is taken with all devices it
             has: no other module commands them meanwhile.
         watches: Class of device that this primitive watches in the background for as long as its manager runs; its
@@ -57,8 +62,15 @@ class Primitive(ABC, Generic[P]):
     limit: ClassVar[float | None] = None
     offered: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
+    _fields: ClassVar[tuple[str, ...]] = ()
+    """Keys of the parameters that are declared in the class."""
+
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        if fields := own_fields(cls):
+            cls.Params, cls._fields = params_class(cls, fields), (*cls._fields, *fields)
+            for key in fields:
+                delattr(cls, key)
         if not isinstance(cls.outputs, tuple) or not all(isinstance(one, Output) for one in cls.outputs):
             raise DescriptionError(f"outputs of primitive {cls.__name__}: a tuple of Output(name, type, help)")
         check_params([output.param for output in cls.outputs], f"of the outputs of primitive {cls.__name__}")
@@ -77,6 +89,7 @@ class Primitive(ABC, Generic[P]):
         self.context = context
         self.params = params
         self.loaded = loaded
+        vars(self).update({key: getattr(params, key) for key in self._fields})
 
     # ------------------------------------------------------------------ life cycle
 
@@ -183,3 +196,19 @@ class Primitive(ABC, Generic[P]):
 
 _AT_ONCE = ("load", "start", "stop", "reset")
 """What takes no time: plain functions, called once."""
+
+
+def generator_problem(function: Callable[..., Any]) -> str:
+    """Returns why a method cannot be ticked once per cycle; an empty text if it can, or its source is not known."""
+    if isgeneratorfunction(function) or getattr(function, "__isabstractmethod__", False):
+        return ""
+    if iscoroutinefunction(function) or isasyncgenfunction(function):
+        return "must be a plain generator, not async: each yield waits for the next control cycle"
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    except (OSError, TypeError, SyntaxError):
+        return ""
+    returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
+    if any(isinstance(value, ast.Call) and isinstance(value.func, ast.Attribute) for value in returned):
+        return ""  # it hands on what another method makes (``return self.call(…)``), which may be a generator
+    return "never yields, so it is not a generator: each yield waits for the next control cycle"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf
+from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
@@ -23,6 +24,7 @@ from skiros_py.skills.conditions import (
 from skiros_py.skills.conditions.expression import is_sensed
 from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.parameters import IT, Kind, Param, check_params
+from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.references import check_references, variables
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
@@ -104,19 +106,24 @@ class SkillDescription:
         name: object = self.name
         if not isinstance(name, str) or not name or ":" in name:
             raise DescriptionError(f"skill name {name!r}: it must be a text, not empty, and without ':'")
-        for field in ("params", "pre", "hold", "post"):
-            if not isinstance(given := getattr(self, field), tuple):
-                raise DescriptionError(f"{field} of skill '{name}': it must be a tuple, not a {type(given).__name__}")
+        for part in ("params", "pre", "hold", "post"):
+            if not isinstance(given := getattr(self, part), tuple):
+                raise DescriptionError(f"{part} of skill '{name}': it must be a tuple, not a {type(given).__name__}")
         check_params(self.params, f"of skill '{self.name}'")
         for condition in (*self.pre, *self.hold, *self.post):
+            stated: object = condition
+            if not isinstance(stated, Condition):
+                said = getattr(stated, "name", repr(stated))
+                raise DescriptionError(f"{said} of skill '{name}': it must be a condition of parameters: {said}('…')")
             self._check_elements(condition.arguments, f"in {condition} of skill '{self.name}'")
         self._check_elements((self.agent, self.target), f"as agent or target of skill '{self.name}'")
-        for field in ("hold", "post"):
-            conditions: tuple[Condition, ...] = getattr(self, field)
+        for part in ("hold", "post"):
+            conditions: tuple[Condition, ...] = getattr(self, part)
             if both := next((c for c in conditions if not c.negated and ~c in conditions), None):
-                raise DescriptionError(f"{field} of skill '{self.name}': {both} and {~both} can never hold together")
+                raise DescriptionError(f"{part} of skill '{self.name}': {both} and {~both} can never hold together")
         if not self.post:
-            raise DescriptionError(f"skill '{self.name}' has no postcondition: no goal could ever need it")
+            right = "say what it brings about by post=(…,)"
+            raise DescriptionError(f"skill '{self.name}' has no postcondition: no goal could ever need it; {right}")
         if self.duration is not None and not 0.0 < self.duration < inf:
             raise DescriptionError(f"duration of skill '{self.name}': {self.duration:g}; it must be some seconds")
         if self.limit is not None and not self.limit > 0.0:
@@ -225,6 +232,8 @@ class Skill:
         order: Implementations are tried by this number, then by label.
         takes: Keys of further parameters, besides those of kind HARDWARE, whose element is taken with all devices it
             has: no other module commands them meanwhile. A location (a kit) is taken itself: one at a time works there.
+        primitives: Primitives that come with it, and so need no entry points.
+        source: File and line where it is written, for messages; an empty file where that is not known.
     """
 
     description: SkillDescription
@@ -239,6 +248,8 @@ class Skill:
     when: tuple[Condition, ...] = ()
     order: int = 0
     takes: tuple[str, ...] = ()
+    primitives: tuple[type[Primitive[Any]], ...] = ()
+    source: tuple[str, int] = field(default=("", 0), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         keys = [param.key for param in self.description.params]

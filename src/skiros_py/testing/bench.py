@@ -89,7 +89,8 @@ class Bench:
         self._conditions = conditions
         spec = read_cell(world, world.instances(ROBOT) if robots is None else robots, simulated=False)
         self.cell = cell(spec)
-        named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
+        named = dict(primitives) if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
+        named = {**{one.name: one for skill in skills for one in skill.primitives}, **named}
         options = RuntimeOptions(
             driver,
             ports=ports,

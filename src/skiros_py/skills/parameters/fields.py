@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator, Sequence
-from typing import Any
+import inspect
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.ports.signals import is_unit
 from skiros_py.skills.parameters.param import IT, Access, Kind, Param, ValueClass
-from skiros_py.skills.parameters.values import VALUE_TYPES
+from skiros_py.skills.parameters.values import SAMPLES, VALUE_TYPES
 from skiros_py.skills.references import variables
 
 
@@ -133,6 +135,59 @@ def param(
         default = None
     said = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length}
     return dataclasses.field(default=default, metadata=said | {"limits": limits, "access": access})
+
+
+def own_fields(class_: type) -> dict[str, dataclasses.Field[Any]]:
+    """Returns the parameters that a class declares itself, apart from those of a ``Params`` in it."""
+    return {key: field for key, field in vars(class_).items() if isinstance(field, dataclasses.Field)}
+
+
+def params_class(class_: type, fields: Mapping[str, dataclasses.Field[Any]]) -> type:
+    """Makes the ``Params`` of a class from the parameters that it declares itself and those of its base class.
+
+    Raises:
+        DescriptionError: There is a ``Params`` besides, a parameter is called as something that every run has, or its
+            annotation is of another type.
+    """
+    hints, where = inspect.get_annotations(class_), f"of {class_.__qualname__}"
+    base: Any = getattr(class_, "Params", None)
+    if "Params" in vars(class_):
+        raise DescriptionError(f"parameters {where}: declare them either in the class or in its Params, not in both")
+    if taken := names_of_runs(class_.__mro__[1]).intersection(fields):
+        raise DescriptionError(f"parameter {min(taken)} {where}: every run has something called so; choose another key")
+    made = dataclasses.make_dataclass(
+        "Params",
+        [(key, hints.get(key, Any), field) for key, field in fields.items()],
+        bases=() if base is None else (base,),
+        frozen=True,
+        kw_only=True,
+    )
+    made.__qualname__ = class_.__qualname__
+    for param in params_of(made):
+        if wrong := _hint_problem(class_, param):
+            raise DescriptionError(f"parameter {param.key} {where}: {wrong}")
+    return made
+
+
+def names_of_runs(class_: type) -> set[str]:
+    """Returns what no parameter that a subclass declares itself can be called: every run has something called so."""
+    names = (name for one in class_.__mro__ for name in (*vars(one), *inspect.get_annotations(one)))
+    return {"context", "params", "loaded", *names}
+
+
+def _hint_problem(class_: type, param: Param) -> str:
+    """Returns what the annotation of a parameter must be, where it is another; else an empty text."""
+    try:
+        hint = inspect.get_annotations(class_, eval_str=True).get(param.key, Any)
+    except (NameError, TypeError, SyntaxError):
+        return ""  # a type checker says what is wrong with it
+    type_ = param.type if isinstance(param.type, type) else type(SAMPLES.get(param.type, ""))
+    wanted = [tuple if param.length != 1 else type_, *([NoneType] if param.kind is Kind.OPTIONAL else [])]
+    given = {get_origin(one) or one for one in (get_args(hint) if isinstance(hint, UnionType) else [hint])}
+    right = " | ".join("None" if one is NoneType else one.__name__ for one in wanted)
+    return (
+        "" if given in ({*wanted}, {Any}) else f"it is {param.kind.name} and {param.type_name}: annotate it as {right}"
+    )
 
 
 def params_of(dataclass_type: type) -> tuple[Param, ...]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import ast
-import inspect
-import textwrap
 from collections.abc import Iterable, Iterator
 
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.lint.rule import Known, Problem, Source, rule
-from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.primitive import Primitive, generator_problem
 from skiros_py.skills.skill import Skill
 
 
@@ -60,24 +58,8 @@ def _moves(node: ast.expr) -> str:
 @rule("yield-never", "A primitive whose execute is not a generator.", type)
 def yield_never(primitive: type[Primitive[object]], known: Known) -> Iterator[str]:  # noqa: ARG001 - a check's signature
     """Yields a problem where execute is no generator."""
-    if inspect.isgeneratorfunction(primitive.execute) or _hands_on(primitive):
-        return
-    if inspect.iscoroutinefunction(primitive.execute) or inspect.isasyncgenfunction(primitive.execute):
-        yield "execute must be a plain generator, not async: each yield waits for the next control cycle"
-    else:
-        yield "execute never yields, so it is not a generator: each yield waits for the next control cycle"
-
-
-def _hands_on(primitive: type[Primitive[object]]) -> bool:
-    """Tells whether execute returns what another method makes (``return self.call(…)``), which may be a generator."""
-    if getattr(primitive.execute, "__isabstractmethod__", False):
-        return True
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(primitive.execute)))
-    except (OSError, TypeError, SyntaxError):
-        return True  # nothing is known of it
-    returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
-    return any(isinstance(v, ast.Call) and isinstance(v.func, ast.Attribute) for v in returned)
+    if problem := generator_problem(primitive.execute):
+        yield f"execute {problem}"
 
 
 @rule("blocking-call", "A call that blocks the control cycle.", Source)
@@ -95,14 +77,26 @@ _BLOCKING_MODULES = ("subprocess.", "requests.", "httpx.", "urllib.request.", "s
 
 
 _INSTEAD = {
-    "time.sleep": "yield until self.context.now has come that far",
+    "time.sleep": "write yield from self.context.sleep(seconds)",
     "input": "ask by self.context.questions",
 }
 _WORKER = "let a worker do it and wait for its answer by self.wait(pending)"
 
 _PACKAGE = "skiros_py"
 _OPEN = frozenset(
-    {"behaviours", "devices", "errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"}
+    {
+        "authoring",
+        "behaviours",
+        "devices",
+        "errors",
+        "geometry",
+        "ports",
+        "skills",
+        "testing",
+        "world",
+        "workers",
+        "__version__",
+    }
 )
 """What plug-ins may import; and, of the package itself, the few names it offers."""
 _PORTS = ("skiros_py.planning.planners.planner",)
@@ -122,7 +116,8 @@ def private_import(source: Source, known: Known) -> Iterator[Problem]:  # noqa: 
 
 
 _DOORS = (
-    "skiros_py.skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors (and .testing in tests)"
+    "skiros_py.authoring, .skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors (and .testing in"
+    " tests)"
 )
 
 
