@@ -27,6 +27,17 @@ PAGES: Mapping[str, tuple[str, Sequence[str]]] = {
         ),
     ),
     "behaviours": ("Behaviours: the nodes of skills' bodies, and kinds of document", ("skiros_py.behaviours",)),
+    "devices": (
+        "Devices: their states, targets and specifications",
+        (
+            "skiros_py.ports.board:DeviceHandle",
+            "skiros_py.devices.gripper:Gripper,GripperState,GripperTarget,GripperSpec",
+            "skiros_py.devices.arm:Arm,ArmState,ArmTarget,ArmSpec",
+            "skiros_py.devices.mobile_base:Base,BaseState,BaseTwist,BaseSpec",
+            "skiros_py.devices.camera:Camera,CameraSpec",
+            "skiros_py.devices.localiser:LocaliserState,LocaliserSpec",
+        ),
+    ),
     "world": (
         "World model: reading and transactions",
         (

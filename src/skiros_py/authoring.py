@@ -3,8 +3,6 @@
 ::
 
     class Scan(SkillBase):
-        \"""Scans the part in the gripper at a scan table.\"""
-
         arm: str = param("sk:Arm", "The arm that holds the part still.", kind=Kind.HARDWARE)
         part: str = param("sk:Manipulatable", "The part in the gripper.")
 
@@ -48,10 +46,10 @@ def skill_name(class_: str) -> str:
 class SkillBase(Primitive[Any]):
     """A skill in one class. Its entry point in the group ``skiros.skills`` names the class.
 
-    From the class are made: the description; a primitive whose code is :meth:`execute`, called ``scan_body`` for a skill
-    ``scan``; an implementation that runs it, or ``body``; and one for fakes, which pretends the effects. In a run, each
-    parameter is an attribute (``self.part``). The first paragraph of the docstring is the help text. Everything else
-    that a :class:`Primitive` has, such as ``takes``, ``recover`` and ``outputs``, can be used, too.
+    From the class are made: the description; a primitive whose code is :meth:`execute`, called ``scan_body`` for a
+    skill ``scan``; an implementation that runs it, or ``body``; and one for fakes, which pretends the effects. In a
+    run, each parameter is an attribute (``self.part``). The first paragraph of the docstring is the help text.
+    Everything else that a :class:`Primitive` has, such as ``takes``, ``recover`` and ``outputs``, can be used, too.
 
     Class attributes:
         name: Name of the skill; that of the class in small letters where it is left out ("ScanPart": "scan_part").
@@ -141,8 +139,8 @@ def _check_code(class_: type[SkillBase], name: str) -> None:
     """Refuses a class whose code cannot be what is done.
 
     Raises:
-        DescriptionError: Agent or target is missing, there is neither ``execute`` nor ``body``, or both, or ``execute`` is
-            no generator.
+        DescriptionError: Agent or target is missing, there is neither ``execute`` nor ``body``, or both, or ``execute``
+            is no generator.
         UnknownName: The code reads an attribute that a run does not have: most are misspelt parameters.
     """
     if missing := next((key for key in ("agent", "target") if not getattr(class_, key)), None):
@@ -150,7 +148,9 @@ def _check_code(class_: type[SkillBase], name: str) -> None:
         raise DescriptionError(f"skill '{name}' has no {missing}: say {missing} = '…', the parameter that is {right}")
     written = class_.execute is not Primitive.execute
     if written is (class_.body is not None):
-        raise DescriptionError(f"skill '{name}' has {'both' if written else 'neither'} execute() and body: give one")
+        raise DescriptionError(
+            f"skill '{name}' has {'both execute() and' if written else 'neither execute() nor'} body: give one"
+        )
     if problem := generator_problem(class_.execute):
         raise DescriptionError(f"execute() of skill '{name}' {problem}")
     keys = class_._fields

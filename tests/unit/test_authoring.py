@@ -78,15 +78,16 @@ class FetchAndRead(SkillBase):
         EMPTY_HANDED("gripper"),
     )
     post = (READ("ball"), HOLDING("gripper", "ball"), ~EMPTY_HANDED("gripper"))
-    body = Sequence.of(Do.of("pick", Ball=P("ball"), Box=P("box")), Do.of("read_ball", ball=P("ball")))
+    body = Sequence.of(Do.of("take", Ball=P("ball"), Box=P("box")), Do.of("read_ball", ball=P("ball")))
 '''
 TINY = """
-from skiros_py.testing.tiny import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HAS_PART, HOLDING, IN_CONTAINER, PICK, pretend
-DRIVE, PICK = pretend(DRIVE), pretend(PICK)
+from dataclasses import replace
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, PICK, pretend
+GO, TAKE = pretend(replace(DRIVE, name="go")), pretend(replace(PICK, name="take"))
 """
 GROUPS = {
-    "skills": {"read": "sk_reading:ReadBall", "drive": "sk_tiny:DRIVE", "pick": "sk_tiny:PICK"},
-    "conditions": {"Read": "sk_reading:READ", "At": "sk_tiny:AT_LOCATION", "Free": "sk_tiny:FREE"},
+    "skills": {"read": "sk_reading:ReadBall", "go": "sk_tiny:GO", "take": "sk_tiny:TAKE"},
+    "conditions": {"Read": "sk_reading:READ", "At": "sk_tiny:AT_LOCATION"},
 }
 
 
@@ -120,7 +121,7 @@ def test_it_is_planned_with_and_pretended_in_a_session(reading: Any, tmp_path: P
         report = session.run(["Read(ball_1)"])
 
     assert report.reached, report
-    assert [step.skill for step in report.steps] == ["drive", "pick", "read_ball"]
+    assert [step.skill for step in report.steps] == ["go", "take", "read_ball"]
 
 
 def test_its_contract_is_tested_and_its_rules_are_checked(reading: Any) -> None:
@@ -174,7 +175,7 @@ def test_a_composition_runs_other_skills(reading: Any) -> None:
     world = tiny_world()
     with world.transaction(author="test", reason="it went there before") as tx:
         tx.place("robot_1", "sk:at", "box_a")
-    skills = [load_catalogue().skills["pick"], reading.ReadBall.fake]
+    skills = [load_catalogue().skills["take"], reading.ReadBall.fake]
 
     run_skill(reading.FetchAndRead.skill, world, skills=skills, ball="ball_1", box="box_a").check()
 
@@ -267,7 +268,7 @@ WRONG = {
         "    async def execute(self) -> Execution[Outcome]:\n",
         "must be a plain generator, not async",
     ),
-    "no body": ("    def execute", "    def excute", "has neither execute() and body: give one"),
+    "no body": ("    def execute", "    def excute", "has neither execute() nor body: give one"),
     "two bodies": (
         "    duration = 2.0",
         "    body = Wait(1.0)\n    duration = 2.0",

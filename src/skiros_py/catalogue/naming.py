@@ -11,7 +11,7 @@ from typing import Any, TypeVar, cast
 
 from skiros_py.behaviours import Do
 from skiros_py.catalogue.catalogue import Named
-from skiros_py.plugins.installation import has_bare_name
+from skiros_py.plugins.installation import has_bare_name, installation
 from skiros_py.plugins.plugin import Entry, Plugin, qualified
 from skiros_py.skills.behaviour import Behaviour, Call
 from skiros_py.skills.conditions import Condition, ConditionType
@@ -44,6 +44,10 @@ class OfferedNames:
         entries = [(entry.name, str(entry.distribution), entry) for entry in primitives]
         worded = [(c.value.name, c.plugin.distribution, c.value) for c in conditions]
         ways = [(_way(s.value), s.plugin.distribution, s.key) for s in skills if s.value.label]
+        # By its names, for it is not loaded: else names would change with it, and what people stored with them.
+        absent = [(entry.name, str(entry.distribution), entry) for entry in installation().left_out]
+        described += [claim for claim in absent if claim[2].group in ("skiros.skills", "skiros.primitives")]
+        worded += [claim for claim in absent if claim[2].group == "skiros.conditions"]
         found = cls()
         for own, name, _, holder in _apart([*described, *entries]):
             found.modules.setdefault(own, {})[name] = qualified(name, holder)

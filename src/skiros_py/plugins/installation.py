@@ -48,11 +48,13 @@ class Installation:
         distributions: Those that have entry points for this platform.
         entries: These entry points, by the names under which they are offered; in a group each name stands once.
         faults: Metadata that cannot be understood, and entry points of one distribution with one name.
+        left_out: Entry points of distributions that are left out: names stay qualified where these have them, too.
     """
 
     distributions: tuple[Distribution, ...]
     entries: tuple[Entry, ...]
     faults: tuple[PluginFault, ...]
+    left_out: tuple[Entry, ...] = ()
 
     def of(self, group: str) -> tuple[Entry, ...]:
         """Returns the entry points of a group."""
@@ -83,24 +85,25 @@ def _scanned(_sight: _Sight, without: frozenset[str]) -> Installation:
     for source in metadata.distributions():
         if _speaks_of_skiros(source):
             distribution = _described(source)
-            if canonical(distribution.name) in without:
-                continue
             try:
                 entries = tuple(_entries(source.entry_points, distribution))
             except Exception as error:  # noqa: BLE001 - whatever the parser makes of somebody's file
                 reason = f"its entry_points.txt cannot be understood: {type(error).__name__}: {error}"
-                faults.append(PluginFault("skiros", "-", str(distribution), reason, "", distribution.folder))
+                if canonical(distribution.name) not in without:
+                    faults.append(PluginFault("skiros", "-", str(distribution), reason, "", distribution.folder))
             else:
                 # As for imports, the first of a name on the path counts.
                 found.setdefault(canonical(distribution.name), (distribution, entries))
     named: dict[tuple[str, str], list[Entry]] = {}
     for entry in _named_apart([entry for _, own in found.values() for entry in own]):
-        named.setdefault((entry.group, entry.name), []).append(entry)
+        if canonical(entry.distribution.name) not in without:
+            named.setdefault((entry.group, entry.name), []).append(entry)
     for twins in (own for own in named.values() if len(own) > 1):
         reason = f"the name '{twins[0].name}' stands twice: {' and '.join(map(str, twins))}; neither counts, rename one"
         faults += [PluginFault(one.group, one.name, str(one.distribution), reason, "") for one in twins]
     entries = tuple(sorted((own[0] for own in named.values() if len(own) == 1), key=_order))
-    return Installation(tuple(distribution for distribution, _ in found.values()), entries, tuple(faults))
+    left_out = tuple(entry for name in without if name in found for entry in found.pop(name)[1])
+    return Installation(tuple(distribution for distribution, _ in found.values()), entries, tuple(faults), left_out)
 
 
 def _named_apart(entries: Sequence[Entry]) -> Iterator[Entry]:

@@ -137,7 +137,7 @@ def _contained(entry: Entry, error: BaseException) -> PluginFault:
 
 
 def _located(fault: PluginFault, error: BaseException) -> PluginFault:
-    """Adds the author's line to a fault; of a mistake that the platform describes itself, that is all there is to say."""
+    """Adds the author's line to a fault; if the platform itself describes the mistake, that replaces the traceback."""
     unknown = error.kind if isinstance(error, UnknownName) else ""
     if not isinstance(error, SkirosError) or (frame := authors_line(fault.traceback)) is None:
         return replace(fault, unknown=unknown)

@@ -76,7 +76,7 @@ def check_keys(params: Sequence[Param], owner: str) -> None:
 
 
 def declarations(params: Sequence[Param]) -> dict[str, Any]:
-    """Returns what a template needs to declare parameters in a class: each as what precedes its arguments, and those."""
+    """Returns what a template needs to declare parameters in a class: what precedes their arguments, and these."""
     heads = [f"{param.key}: {PYTHON_TYPES.get(param.type_name, 'str')} = param" for param in params]
     return {
         "kinds": any(param.kind.name in _SAID for param in params),

@@ -10,6 +10,7 @@ import pytest
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.errors import UnknownName
 from skiros_py.execution.loader import read_configuration
+from skiros_py.plugins.installation import installation
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing.tiny import tiny_world
@@ -90,6 +91,54 @@ def test_a_goal_may_use_the_qualified_word_of_a_condition(two: Any) -> None:
     assert str(condition) == "not sk-two.Near(robot_1, box_a)"
     assert condition.type.help == "As two means it."
     assert "Near" not in catalogue.conditions
+
+
+def test_names_stay_qualified_when_the_other_distribution_is_left_out_and_goals_may_say_the_last_part(
+    two: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    groups = {"skills": {"hop": "B"}, "primitives": {"wave": "Wave"}, "conditions": {"Near": "NEAR"}}
+    both = two(groups)
+    with pytest.raises(UnknownName, match=r"Did you mean 'sk-(one|two)\.Near'"):
+        parse_goal(["Near(robot_1, box_a)"], tiny_world(), both.conditions)
+
+    monkeypatch.setenv("SKIROS_WITHOUT", "sk-one")
+    catalogue = load_catalogue()
+
+    assert "sk-one" not in " ".join((*catalogue.skills, *catalogue.primitives, *catalogue.conditions))
+    assert catalogue.skills["sk-two.hop"].description.name == "sk-two.hop"
+    assert catalogue.primitives["sk-two.wave"].name == "sk-two.wave"
+    for word in ("sk-two.Near", "Near", "near"):
+        (condition,) = parse_goal([f"{word}(robot_1, box_a)"], tiny_world(), catalogue.conditions)
+        assert str(condition) == "sk-two.Near(robot_1, box_a)"
+
+
+def test_the_own_name_of_an_entry_point_may_begin_with_that_of_its_distribution(site: Any) -> None:
+    text = HEAD.replace("{0}", "lab").replace('name = "wave"', 'name = "lab.wave"')
+    site.install("lab", {"primitives": {"lab.wave": "sk_lab_own:Wave"}}, {"sk_lab_own.py": text})
+
+    (entry,) = (one for one in installation().of("skiros.primitives") if one.distribution.name == "lab")
+    assert (entry.name, entry.own_name) == ("lab.wave", "lab.wave")
+    assert load_catalogue().primitives["lab.wave"].name == "lab.wave"
+
+    site.install("other", {"primitives": {"lab.wave": "sk_lab_own:Wave"}})
+    offered = {(one.name, one.own_name) for one in installation().of("skiros.primitives") if "wave" in one.name}
+    assert offered == {("lab.lab.wave", "lab.wave"), ("other.lab.wave", "lab.wave")}
+    assert load_catalogue().primitives["lab.lab.wave"].name == "lab.lab.wave"
+
+
+def test_a_goal_may_use_a_word_of_a_distribution_whose_name_begins_with_a_digit(site: Any) -> None:
+    for name in ("3d-lab", "4d-lab"):
+        module = f"sk_digit_{name[0]}"
+        text = HEAD.replace("{0}", name[0])
+        site.install(name, {"conditions": {"Near": f"{module}:NEAR"}}, {f"{module}.py": text})
+    catalogue, world = load_catalogue(), tiny_world()
+
+    assert faults(catalogue) == []
+    (condition,) = parse_goal(
+        ["3d-lab.Near(robot_1, box_a) and not 4d-lab.Near(robot_1, box_a)"], world, catalogue.conditions
+    )[:1]
+    assert str(condition) == "3d-lab.Near(robot_1, box_a)"
+    assert parse_goal([f"{condition}"], world, catalogue.conditions) == (condition,)
 
 
 def test_a_node_named_as_a_built_in_one_is_read_and_written_under_its_qualified_name(two: Any) -> None:

@@ -191,7 +191,7 @@ class Meaning:
     # ------------------------------------------------------------------ looking words up
 
     def _type(self, word: str) -> ConditionType:
-        """Returns a condition's word, ignoring case.
+        """Returns a condition's word, ignoring case; "lab.Near" also by its last part, if no other word ends so.
 
         Raises:
             UnknownName: There is none.
@@ -204,7 +204,9 @@ class Meaning:
     def _words(self) -> dict[str, ConditionType]:
         spelt = NameMap(sorted(self._conditions))
         own = {name.casefold(): type_ for name, type_ in self._conditions.items()}
-        return {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
+        bare = [name.rpartition(".")[2] for name in own]
+        only = {last: type_ for last, type_ in zip(bare, own.values(), strict=True) if bare.count(last) == 1}
+        return only | {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
 
     def _class_of(self, name: str, above: str) -> str | None:
         """Returns the CURIE of a class, or None if no class at or below another one has that name.

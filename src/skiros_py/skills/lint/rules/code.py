@@ -116,8 +116,8 @@ def private_import(source: Source, known: Known) -> Iterator[Problem]:  # noqa: 
 
 
 _DOORS = (
-    "skiros_py.authoring, .skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors (and .testing in"
-    " tests)"
+    "skiros_py.authoring, .skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors"
+    " (and .testing in tests)"
 )
 
 
