@@ -219,7 +219,7 @@ def test_a_subclass_of_a_skill_is_no_skill(reading: Any, site: Any) -> None:
 
     (fault,) = (fault for fault in load_catalogue().faults if "sk-faster" in fault.distribution)
 
-    assert "name a Skill, a sequence of them, or a SkillBase class" in fault.reason
+    assert "name a Skill, or a sequence of them, or a SkillBase class" in fault.reason
 
 
 # ---------------------------------------------------------------- what is refused

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from skiros_py.skills.context import QuestionKind
@@ -53,44 +52,38 @@ class Choose(AskingPrimitive):
     name: ClassVar[str] = "choose"
     outputs: ClassVar[tuple[Output, ...]] = (Output("answer", "text", "What the person chose."),)
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        question: str = param("text", "What is asked, such as 'Which colour?'.")
-        options: tuple[str, ...] = param("text", "What there is to choose from.", length=0)
-        element: str | None = param(v.ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL)
-        property: str | None = param(
-            "text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL
-        )
-        patience: float | None = _patience()
+    question: str = param("text", "What is asked, such as 'Which colour?'.")
+    options: tuple[str, ...] = param("text", "What there is to choose from.", length=0)
+    element: str | None = param(v.ELEMENT, "Where the choice is written to.", kind=Kind.OPTIONAL)
+    property: str | None = param("text", "Its property that gets the choice, such as 'sk:model'.", kind=Kind.OPTIONAL)
+    patience: float | None = _patience()
 
     def start(self) -> Failure | None:
         """Checks that there are options, and that each could be stored."""
-        if len(set(self.params.options)) < 2 or len(set(self.params.options)) < len(self.params.options):
-            return Failure(f"options: give two or more that differ, not {list(self.params.options)}")
-        if (self.params.element is None) != (self.params.property is None):
+        if len(set(self.options)) < 2 or len(set(self.options)) < len(self.options):
+            return Failure(f"options: give two or more that differ, not {list(self.options)}")
+        if (self.element is None) != (self.property is None):
             return Failure("element and property: the choice is written to both together, give both or none")
         return self._unwritable() or super().start()
 
     def execute(self) -> Execution[Outcome]:
         """Asks, and stores the answer."""
-        answer = yield from self.ask(QuestionKind.CHOOSE, self.params.question, self.params.options)
+        answer = yield from self.ask(QuestionKind.CHOOSE, self.question, self.options)
         if isinstance(answer, Failure):
             return answer
-        element, property_ = self.params.element, self.params.property
+        element, property_ = self.element, self.property
         if element is not None and property_ is not None:
             with self.world.transaction(author=self.name, reason=f"a person chose {answer}") as tx:
                 tx.set(element, property_, self._value(property_, answer))
         return Success(answer, {"answer": answer})
 
     def _unwritable(self) -> Failure | None:
-        property_ = self.params.property
+        property_ = self.property
         if property_ is None:
             return None
         if property_ not in self.world.ontology.properties:
             return Failure(f"property: there is no property '{property_}'")
-        for option in self.params.options:
+        for option in self.options:
             try:
                 self._value(property_, option)
             except ValueError:
@@ -108,19 +101,15 @@ class Confirm(AskingPrimitive):
 
     name: ClassVar[str] = "confirm"
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        question: str = param("text", "What is asked, such as 'Is the door closed?'.")
-        patience: float | None = _patience()
+    question: str = param("text", "What is asked, such as 'Is the door closed?'.")
+    patience: float | None = _patience()
 
     def execute(self) -> Execution[Outcome]:
         """Asks."""
-        answer = yield from self.ask(QuestionKind.CONFIRM, self.params.question, ("yes", "no"))
+        answer = yield from self.ask(QuestionKind.CONFIRM, self.question, ("yes", "no"))
         if isinstance(answer, Failure):
             return answer
-        return Success("yes") if answer == "yes" else Failure(f"a person said no: {self.params.question}")
+        return Success("yes") if answer == "yes" else Failure(f"a person said no: {self.question}")
 
 
 _DONE, _CANNOT = "done", "cannot"
@@ -131,33 +120,29 @@ class Refill(AskingPrimitive):
 
     name: ClassVar[str] = "refill"
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        place: str = param(v.CONTAINER, "Where it is wanted.")
-        what: str = param("class", "The class of thing that is wanted, such as kitting:Starter.")
-        count: int = param("integer", "How many.", kind=Kind.OFFLINE, default=1)
-        patience: float | None = _patience()
+    place: str = param(v.CONTAINER, "Where it is wanted.")
+    what: str = param("class", "The class of thing that is wanted, such as kitting:Starter.")
+    count: int = param("integer", "How many.", kind=Kind.OFFLINE, default=1)
+    patience: float | None = _patience()
 
     def start(self) -> Failure | None:
         """Checks that the thing can be requested."""
-        if not self.world.ontology.is_a(self.params.what, v.MANIPULATABLE):
-            return Failure(f"what: {self.params.what} is no {v.MANIPULATABLE}, so a person cannot bring it")
-        if self.params.count < 1:
-            return Failure(f"count: one or more, not {self.params.count}")
+        if not self.world.ontology.is_a(self.what, v.MANIPULATABLE):
+            return Failure(f"what: {self.what} is no {v.MANIPULATABLE}, so a person cannot bring it")
+        if self.count < 1:
+            return Failure(f"count: one or more, not {self.count}")
         return super().start()
 
     def execute(self) -> Execution[Outcome]:
         """Asks, and takes the answer as true until a look contradicts it."""
-        place, count = self.params.place, self.params.count
-        text = f"Bring {count} x {local_name(self.params.what)} to {self.world.element(place).label} ({place})"
+        place, count = self.place, self.count
+        text = f"Bring {count} x {local_name(self.what)} to {self.world.element(place).label} ({place})"
         answer = yield from self.ask(QuestionKind.REFILL, text, (_DONE, _CANNOT))
         if isinstance(answer, Failure):
             return answer
         if answer != _DONE:
             return Failure(f"a person cannot do this: {text}")
-        with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.params.what}") as tx:
+        with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.what}") as tx:
             for thing in self.world.subjects(v.IN, place):  # the person may have moved what was there
                 if self.world.ontology.is_a(self.world.element(thing).type, v.MANIPULATABLE):
                     forget_looks(tx, thing)
@@ -166,11 +151,11 @@ class Refill(AskingPrimitive):
 
     def _bring(self, tx: Transaction) -> None:
         """Adds what was brought: first as the missing things of its class, which looks identify; the rest is new."""
-        place = Placement(v.IN, self.params.place)
-        missing = [e for e in self.world.instances(self.params.what) if self.world.value(e, v.MISSING) is True]
-        found = [e for e in missing if self.world.placement(e) != place][: self.params.count]
+        place = Placement(v.IN, self.place)
+        missing = [e for e in self.world.instances(self.what) if self.world.value(e, v.MISSING) is True]
+        found = [e for e in missing if self.world.placement(e) != place][: self.count]
         for thing in found:
-            tx.place(thing, v.IN, self.params.place)
+            tx.place(thing, v.IN, self.place)
             forget_looks(tx, thing)
-        for _ in range(self.params.count - len(found)):
-            tx.add(self.params.what, placement=place)
+        for _ in range(self.count - len(found)):
+            tx.add(self.what, placement=place)

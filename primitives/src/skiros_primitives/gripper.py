@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState, GripperTarget
 from skiros_py.skills.context import RunContext
@@ -44,33 +43,29 @@ def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float
     return gripper.state
 
 
-class GripperControl(Primitive["GripperControl.Params"]):
+class GripperControl(Primitive[Any]):
     """Moves the fingers to a gap and waits until they stand."""
 
     name: ClassVar[str] = "gripper_control"
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        gripper: str = param(GRIPPER, "The gripper.", kind=Kind.HARDWARE)
-        gap: float | None = param(
-            "number",
-            "Wanted gap between the pads; left out: wide open.",
-            kind=Kind.OPTIONAL,
-            unit="m",
-            limits=(0.0, 1.0),
-        )
-        force: float | None = param(
-            "number", "Greatest force per finger; left out: as parts are held.", kind=Kind.OPTIONAL, unit="N"
-        )
+    gripper: str = param(GRIPPER, "The gripper.", kind=Kind.HARDWARE)
+    gap: float | None = param(
+        "number",
+        "Wanted gap between the pads; left out: wide open.",
+        kind=Kind.OPTIONAL,
+        unit="m",
+        limits=(0.0, 1.0),
+    )
+    force: float | None = param(
+        "number", "Greatest force per finger; left out: as parts are held.", kind=Kind.OPTIONAL, unit="N"
+    )
 
     def execute(self) -> Execution[Outcome]:
         """Moves the fingers."""
-        gripper = Gripper(self.context.board, self.params.gripper)
+        gripper = Gripper(self.context.board, self.gripper)
         spec = gripper.spec
-        gap = spec.max_gap if self.params.gap is None else self.params.gap
-        force = firm_force(spec) if self.params.force is None else self.params.force
+        gap = spec.max_gap if self.gap is None else self.gap
+        force = firm_force(spec) if self.force is None else self.force
         state = yield from move_fingers(self.context, gripper, gap, force)
         return Success(f"gap {state.gap * 1e3:.0f} mm")
 
@@ -81,21 +76,17 @@ _FOR = 0.1
 """How long they must be that close [s]: a single reading is not sufficient."""
 
 
-class WatchGrasp(Primitive["WatchGrasp.Params"]):
+class WatchGrasp(Primitive[Any]):
     """Never ends by itself: the arm's skill manager runs it whenever the gripper is available."""
 
     name: ClassVar[str] = "watch_grasp"
     watches: ClassVar[str | None] = GRIPPER
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        device: str = param(GRIPPER, "The gripper to watch; it is not taken from those who move it.")
+    device: str = param(GRIPPER, "The gripper to watch; it is not taken from those who move it.")
 
     def execute(self) -> Execution[Outcome]:
         """Reads the gap in every cycle; a lost part is assumed to be on the floor."""
-        gripper = Gripper(self.context.board, self.params.device)
+        gripper = Gripper(self.context.board, self.device)
         lost_since: float | None = None
         while True:
             yield
@@ -108,7 +99,7 @@ class WatchGrasp(Primitive["WatchGrasp.Params"]):
                 self._write(held[0], gripper.state.gap)
 
     def _held(self) -> tuple[str, float] | None:
-        for part in self.world.subjects(HELD_BY, self.params.device):
+        for part in self.world.subjects(HELD_BY, self.device):
             width = self.world.value(part, GRASP_WIDTH)
             if isinstance(width, float):
                 return part, width

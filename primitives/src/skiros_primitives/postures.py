@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive, is_home
 from skiros_py.devices.arm import ArmSpec
@@ -19,28 +19,24 @@ _FELT = 2.0
 """Finger force from which the gripper counts as holding something [N]."""
 
 
-class Home(Primitive["Home.Params"]):
+class Home(Primitive[Any]):
     """Moves one arm or all arms home and opens empty grippers; one that holds something stays closed."""
 
     name: ClassVar[str] = "home"
     takes: ClassVar[tuple[str, ...]] = ("robot",)
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
-        arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL)
+    robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+    arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL)
 
     def start(self) -> Failure | None:
         """Checks that the arm belongs to the robot."""
-        if self.params.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
-            return Failure(f"{self.params.arm} is no arm of {self.params.robot}")
+        if self.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
+            return Failure(f"{self.arm} is no arm of {self.robot}")
         return None
 
     def execute(self) -> Execution[Outcome]:
         """Moves the arms first: anything between the fingers must not fall where it cannot be seen."""
-        arm, robot = self.params.arm, self.params.robot
+        arm, robot = self.arm, self.robot
         moved = yield from self.call("move_arm", arm=arm) if arm else self.call("stow_arms", robot=robot)
         if isinstance(moved, Failure):
             return moved
@@ -55,7 +51,7 @@ class Home(Primitive["Home.Params"]):
 
     @property
     def _robot(self) -> RobotSpec:
-        return next(r for r in self.context.cell.robots if r.id == self.params.robot)
+        return next(r for r in self.context.cell.robots if r.id == self.robot)
 
     def _holds(self, gripper: GripperSpec) -> bool:
         """Returns whether it holds a part, believed or sensed: an unknown part must not be dropped, either."""
@@ -83,7 +79,7 @@ class MoveArm(ArmPrimitive):
         return Success("home")
 
 
-class StowArms(Primitive["StowArms.Params"]):
+class StowArms(Primitive[Any]):
     """Moves all arms to their travelling posture: a base must not drive with an extended arm.
 
     The base's paths are planned for its outline alone.
@@ -92,15 +88,11 @@ class StowArms(Primitive["StowArms.Params"]):
     name: ClassVar[str] = "stow_arms"
     takes: ClassVar[tuple[str, ...]] = ("robot",)
 
-    @dataclass(frozen=True, slots=True)
-    class Params:
-        """Parameters."""
-
-        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+    robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
 
     def execute(self) -> Execution[Outcome]:
         """Moves the arms one after the other."""
-        robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
+        robot = next(r for r in self.context.cell.robots if r.id == self.robot)
         for arm in robot.of(ArmSpec):
             if not is_home(self.context, arm):
                 outcome = yield from self.call("move_arm", arm=arm.id)

@@ -167,7 +167,7 @@ _is_robot = _instance_of(RobotModel, Path, Traversable)
 KINDS: Mapping[str, Kind] = {
     kind.group: kind
     for kind in (
-        Kind("skiros.skills", "a Skill, a sequence of them, or a SkillBase class", _is_skill, _wrong_skill),
+        Kind("skiros.skills", "a Skill, or a sequence of them, or a SkillBase class", _is_skill, _wrong_skill),
         Kind("skiros.primitives", "a subclass of Primitive", _subclass_of(Primitive), _wrong_primitive),
         Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _of_kind),
         Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _of_kind),

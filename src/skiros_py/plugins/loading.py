@@ -8,7 +8,7 @@ import os
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
 from functools import partial
@@ -53,7 +53,7 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
 
     Args:
         group: The group ("skiros.engines").
-        name: Name of the entry point.
+        name: Name of the entry point; of a qualified one ("lab.pick") also its own, if no other has that.
         kind: Its kind, for messages; by default, that of the group ("engine").
 
     Raises:
@@ -62,13 +62,21 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
     """
     kind = kind or group.partition(".")[2].removesuffix("s")
     entries = installation().of(group)
-    entry = next((entry for entry in entries if entry.name == name), None)
+    offered = names_understood(entries)
+    entry = next((entry for entry in entries if entry.name == offered.get(name)), None)
     if entry is None:
         raise UnknownName(kind, name, [entry.name for entry in entries])
     found = load(entry)
     if isinstance(found, PluginFault):
         raise UsageError(f"{kind} '{name}' cannot be used: {found} (skiros plugins {name} shows it in full)")
     return found.value
+
+
+def names_understood(entries: Sequence[Entry]) -> Mapping[str, str]:
+    """Returns the names under which entry points of a group are offered: by these, and by own names that only one has."""
+    own = [entry.own_name for entry in entries]
+    only = {entry.own_name: entry.name for entry in entries if own.count(entry.own_name) == 1}
+    return only | {entry.name: entry.name for entry in entries}
 
 
 def load(entry: Entry, problem: Callable[[Plugin], str | None] = lambda _: None) -> Plugin | PluginFault:
@@ -194,6 +202,7 @@ class LazyPlugins(Mapping[str, T]):
         offered: Callable[[Plugin], T] = lambda plugin: plugin.value,
     ) -> None:
         self._entries = {entry.name: entry for entry in entries}
+        self._understood = names_understood(list(self._entries.values()))
         self._problem = problem
         self._offered = offered
         self._loaded: dict[str, Any] = {}
@@ -219,6 +228,7 @@ class LazyPlugins(Mapping[str, T]):
             self._load(name)
 
     def __getitem__(self, name: str) -> T:
+        name = self._understood.get(name, name)
         fresh = name not in self._faults
         self._load(name)
         if name in self._faults:

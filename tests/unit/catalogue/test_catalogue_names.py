@@ -93,7 +93,7 @@ def test_a_goal_may_use_the_qualified_word_of_a_condition(two: Any) -> None:
     assert "Near" not in catalogue.conditions
 
 
-def test_names_stay_qualified_when_the_other_distribution_is_left_out_and_goals_may_say_the_last_part(
+def test_names_stay_qualified_when_the_other_distribution_is_left_out_and_own_names_are_understood_too(
     two: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     groups = {"skills": {"hop": "B"}, "primitives": {"wave": "Wave"}, "conditions": {"Near": "NEAR"}}
@@ -106,7 +106,8 @@ def test_names_stay_qualified_when_the_other_distribution_is_left_out_and_goals_
 
     assert "sk-one" not in " ".join((*catalogue.skills, *catalogue.primitives, *catalogue.conditions))
     assert catalogue.skills["sk-two.hop"].description.name == "sk-two.hop"
-    assert catalogue.primitives["sk-two.wave"].name == "sk-two.wave"
+    assert catalogue.primitives["sk-two.wave"].name == catalogue.primitives["wave"].name == "sk-two.wave"
+    assert "wave" not in both.primitives
     for word in ("sk-two.Near", "Near", "near"):
         (condition,) = parse_goal([f"{word}(robot_1, box_a)"], tiny_world(), catalogue.conditions)
         assert str(condition) == "sk-two.Near(robot_1, box_a)"
