@@ -73,7 +73,7 @@ def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
 
 
 def names_understood(entries: Sequence[Entry]) -> Mapping[str, str]:
-    """Returns the names under which entry points of a group are offered: by these, and by own names that only one has."""
+    """Returns the names under which entry points of a group are offered: by these, and by own names that one has."""
     own = [entry.own_name for entry in entries]
     only = {entry.own_name: entry.name for entry in entries if own.count(entry.own_name) == 1}
     return only | {entry.name: entry.name for entry in entries}
