@@ -16,7 +16,7 @@ from skiros_py.plugins.loading import load_plugins
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.outcome import Success
 from skiros_py.station.session import Options, Session
-from skiros_py.testing import TINY_ONTOLOGY, Bench, run_skill, tiny_scene, tiny_world
+from skiros_py.testing import TINY_ONTOLOGY, Bench, Fails, run_skill, tiny_scene, tiny_world
 from skiros_py.testing.contract import contract_cases
 
 SKILL = '''
@@ -156,6 +156,14 @@ def test_its_parameters_are_attributes_also_those_with_defaults_and_of_its_confi
 
     assert trial.reason == "there is nothing to read on channel 7"
     assert trial.changes == ()
+
+
+def test_its_body_can_be_made_to_fail_in_tests(reading: Any) -> None:
+    fault = Fails("read_ball_body", "the reader is dirty")
+
+    trial = run_skill(reading.ReadBall.skill, held(reading), faults=[fault], ball="ball_1")
+
+    assert trial.reason == "the reader is dirty"
 
 
 def test_it_is_drawn_and_listed_as_any_other(reading: Any, tmp_path: Path) -> None:

@@ -336,7 +336,8 @@ def _bench(
         own = driver(spec) if callable(driver) else _cell(driver, spec)
         return FaultyCell(own, *of_devices) if of_devices else own
 
-    spoilt = spoiled(primitives, of_modules)
+    brought = [one for skill in skills for one in skill.primitives]
+    spoilt = spoiled([*brought, *primitives], of_modules)
     return Bench(world, skills, spoilt, cell=cell, driver=_ANY, planner=GivenPlanner(), ports=ports, config=config)
 
 
