@@ -1,11 +1,12 @@
 """Plans that use their robots: makespan against a lower bound, time to the first plan, agreement of validators.
 
     uv run --group test python benchmarks/fleet.py
+    uv run --group test python benchmarks/fleet.py --only head-on
 
 Parts out of a hundred, four for each kit; a kit takes one robot at a time. No plan is shorter than its longest chain,
 than the work of all chains divided by the robots, and than the time during which the busiest place is occupied.
 Makespans are planned times, from the durations that the skills declare. Every plan is replayed by the product's
-validator and by that of unified-planning.
+validator and by that of unified-planning. Besides, two robots meet head on in lanes, in physics (``lanes.py``).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import unified_planning.shortcuts as up
+from lanes import head_on, meet_all
 from planning_worlds import able, crowded
 from table import Figure, finish
 from unified_planning.engines import SequentialPlanValidator, ValidationResultStatus
@@ -30,6 +32,7 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.replay import replay
 from skiros_py.planning.service import Planned, PlanningOptions, plan
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.outcome import Failure, Success
 from skiros_py.world.world import World
 from skiros_skills import kitting
 from skiros_skills.conditions import OBJECT_AT_LOCATION
@@ -41,6 +44,7 @@ SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
 SECONDS = {name: skill.duration or 0.0 for name, skill in SKILLS.items()}
 CHAIN = 2 * SECONDS["drive"] + SECONDS["pick"] + SECONDS["place"]
 """How long one part takes [s]."""
+_STARTED = time.perf_counter()
 _LONGEST = ((4, 1.3), (8, 1.6))
 """For up to so many robots the greatest makespan, as a multiple of the bound."""
 
@@ -61,16 +65,48 @@ class Run:
     wall: float
     valid: tuple[bool, bool]
 
+    def __str__(self) -> str:
+        return f"{self.makespan:.0f} s = {self.ratio:.2f} x the bound, planned in {self.wall:.1f} s"
+
 
 def main() -> int:
     """Measures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10, help="number of goals of each size")
-    parser.add_argument("--quick", action="store_true", help="few parts, few robots, two goals")
+    parser.add_argument("--seeds", type=int, help="number of goals of each size (10), and of lanes (20)")
+    parser.add_argument("--quick", action="store_true", help="few parts, few robots, two goals, two lanes")
+    parser.add_argument("--only", choices=("plans", "head-on"), help="measure only one of the two")
     options = parser.parse_args()
     parts, robots = ((10,), (1, 2, 4)) if options.quick else ((10, 30, 50), (1, 2, 4, 8, 16))
-    seeds = range(2 if options.quick else options.seeds)
-    return finish("fleet", figures(parts, robots, seeds))
+    goals, lanes = (options.seeds or usual for usual in ((2, 2) if options.quick else (10, 20)))
+    found = [] if options.only == "head-on" else figures(parts, robots, range(goals))
+    found += [] if options.only == "plans" else head_on_figures(range(lanes))
+    return finish("fleet", found)
+
+
+def head_on_figures(seeds: Sequence[int]) -> list[Figure]:
+    """Returns the figures for two robots that meet head on in a lane."""
+    met = meet_all(seeds)
+    failed = [[one for one in meeting.outcomes if not isinstance(one, Success)] for meeting in met]
+    no_room = [head_on(seed).has_no_room for seed in seeds]
+    roomy = [not fails for fails, tight in zip(failed, no_room, strict=True) if not tight]
+    tight = [
+        all(isinstance(one, Failure) and one.values for one in fails)
+        for fails, tight in zip(failed, no_room, strict=True)
+        if tight
+    ]
+    worst = max(meeting.stood for meeting in met)
+    touches = sorted({touch for meeting in met for touch in meeting.touches})
+    return [
+        Figure(
+            f"{len(met)} lanes, two robots head on: until one gives way or says why not, simulated",
+            f"median {statistics.median(meeting.stood for meeting in met):.1f} s, at most {worst:.1f} s",
+            "<= 10 s",
+            worst <= 10.0,
+        ),
+        Figure("both arrive where there is room", f"{sum(roomy)} of {len(roomy)}", "all", all(roomy)),
+        Figure("both say why where there is none", f"{sum(tight)} of {len(tight)}", "all", all(tight)),
+        Figure("robots touch each other or a wall", ", ".join(touches) or "never", "never", not touches),
+    ]
 
 
 def figures(parts: Sequence[int], robots: Sequence[int], seeds: Sequence[int]) -> list[Figure]:
@@ -80,8 +116,10 @@ def figures(parts: Sequence[int], robots: Sequence[int], seeds: Sequence[int]) -
     for wanted in parts:
         fewer: list[Run] = []
         for number in robots:
-            own = [measure(wanted, number, seed) for seed in seeds]
-            print(f"{wanted} parts, {number} robots: {_seconds(own)}", file=sys.stderr, flush=True)
+            own = []
+            for seed in seeds:
+                own.append(measure(wanted, number, seed))
+                _tell(f"{wanted} parts, {number} robots, goal {seed}: {own[-1]}")
             most = next((ratio for up_to, ratio in _LONGEST if number <= up_to), None)
             longer = sum(run.makespan > before.makespan + 1e-6 for run, before in zip(own, fewer, strict=False))
             worst = max(run.ratio for run in own)
@@ -172,6 +210,10 @@ def _problem(parts: int, robots: int, seed: int) -> tuple[World, list[Condition]
     wanted = random.Random(seed).sample(sorted(world.instances(kitting.PART)), parts)  # noqa: S311
     slots = [f"kit_{kit}_{letter}" for kit in range(2, kits + 2) for letter in "abcd"]
     return world, [OBJECT_AT_LOCATION(part, slot) for part, slot in zip(wanted, slots, strict=False)]
+
+
+def _tell(text: str) -> None:
+    print(f"[{time.perf_counter() - _STARTED:5.0f} s] {text}", file=sys.stderr, flush=True)
 
 
 def _seconds(runs: Sequence[Run]) -> str:

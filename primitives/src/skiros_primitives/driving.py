@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import shapely
+from shapely.geometry.base import BaseGeometry
+
 from skiros_primitives import floor_obstacles
 from skiros_primitives.floor_obstacles import driving, reach
 from skiros_py.geometry import Pose, wrap_angle
@@ -15,7 +18,7 @@ from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import Outline, Path
 from skiros_py.skills.context import Way
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import OBSTRUCTED, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
@@ -103,6 +106,8 @@ _COURTESY = 120.0
 """Longest wait for other robots [s]."""
 _LOOK_AGAIN = 5.0
 """Longest time between two plans while another robot blocks the way [s]."""
+_IDLE = 8.0
+"""How long a robot that nothing runs on is waited for [s]."""
 _APART = 0.02
 """Distance between two robots that both deviate from their paths by the maximum [m]."""
 
@@ -121,6 +126,8 @@ class DriveBase(DrivingPrimitive):
         location: str = param(v.LOCATION, "Where to go; it has a driving pose.")
 
     _waits_for = ""
+    _in_use = 0.0
+    """When something last ran on all robots that stand in the way [s]."""
 
     def execute(self) -> Execution[Outcome]:
         """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
@@ -129,18 +136,21 @@ class DriveBase(DrivingPrimitive):
             return goal
         base = Mobile(self.context.board, self.params.base)
         outline = self._outline()
+        self._in_use = self.context.now
         deadline = self.context.now + _COURTESY
         while True:
             path = yield from self._plan(goal, outline)
             if isinstance(path, NoMotion):
                 return Failure(f"no way to {self.params.location}: {path.reason}")
-            if path is not None:
-                with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
-                    if (yield from self._is_free(way, deadline)):
-                        return (yield from self._follow(base, path, way, goal))
-            if self.context.now >= deadline:
-                return Failure(f"no way to {self.params.location}: waited {_COURTESY:g} s for {self._waits_for}")
-            yield from self._pause(deadline)
+            with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
+                aside = yield from self._wait_until_free(way, outline, deadline)
+                if way.free:
+                    return (yield from self._follow(base, path, way, goal))
+            refusal = aside
+            if aside is not None and not isinstance(aside, Failure):
+                refusal = yield from self._give_way(base, aside, outline, deadline)
+            if refusal is not None:
+                return refusal
 
     def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
@@ -159,25 +169,27 @@ class DriveBase(DrivingPrimitive):
             return Failure(f"{location} has no driving pose: teach one")
         return place @ driving
 
-    def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion | None]:
-        """Plans around everything at rest; None if only another standing robot blocks the way."""
-        margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
-        standing = floor_obstacles.standing(self.context, self.params.robot, margin=margin)
+    def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion]:
+        """Plans around everything at rest, or else as if no robot stood there."""
+        standing = self._standing(outline)
         path = yield from self._path(goal, standing)
-        if not isinstance(path, NoMotion) or not standing:
-            return path
-        alone = yield from self._path(goal, ())
-        if isinstance(alone, NoMotion):
-            return alone
-        self._tell(o.id for o in standing)
-        return None
+        if isinstance(path, NoMotion) and standing:
+            path = yield from self._path(goal, ())
+        return path
+
+    def _standing(self, outline: Outline) -> tuple[Obstacle, ...]:
+        margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
+        return floor_obstacles.standing(self.context, self.params.robot, margin=margin)
 
     def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
-        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
-        around = obstacles(self.context, parts=False, without=carried)
-        request = BasePathRequest(self.pose, goal, self._spec().footprint, (*around, *robots), device=self.params.base)
+        around = (*self._things(), *robots)
+        request = BasePathRequest(self.pose, goal, self._spec().footprint, around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
+
+    def _things(self) -> tuple[Obstacle, ...]:
+        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
+        return obstacles(self.context, parts=False, without=carried)
 
     def _outline(self) -> Outline:
         """The robot's outline while it drives; not needed if it is alone in its cell."""
@@ -186,27 +198,78 @@ class DriveBase(DrivingPrimitive):
         robot = self.context.cell.group_of(self.params.base)
         return floor_obstacles.outline(self.context, robot)
 
-    def _is_free(self, way: Way, deadline: float) -> Execution[bool]:
-        """Waits for robots in the way, up to a deadline; not for one that stands still."""
+    def _wait_until_free(self, way: Way, outline: Outline, deadline: float) -> Execution[Path | Failure | None]:
+        """Waits until a way is free, as long as that is of use.
+
+        Args:
+            way: The way that was asked for.
+            outline: The outline of the robot while it drives.
+            deadline: When waiting ends [s].
+
+        Returns:
+            The path to where the robot is in nobody's way, if it is the one to give way; why waiting is no use; or
+            None if the way is free, or another one may be.
+        """
+        again, before = self.context.now + _LOOK_AGAIN, self._driving()
         while not way.free:
             self._tell(way.waits_for())
-            if way.blocked or self.context.now >= deadline:
-                return False
+            now = self.context.now
+            if now >= deadline:
+                return self._obstructed(way.waits_for(), f"waited {_COURTESY:g} s for", "busy")
+            if deadlocked := way.deadlock():
+                return self._obstructed(deadlocked, "there is no room to give way, neither for it nor for", "no room")
+            idle = way.idle()
+            if not idle:
+                self._in_use = now
+            if now >= self._in_use + _IDLE:
+                return self._obstructed(idle, "nobody moves the robot in the way,", "idle")
+            area = way.to_leave()
+            if area is not None:
+                aside = yield from self._aside(area, outline)
+                if aside is not None:
+                    return aside
+                way.refuse()
+            elif way.blocked and (now >= again or self._driving() != before):
+                return None
             yield
-        return True
+        return None
+
+    def _driving(self) -> list[str]:
+        return driving(self.context, self.params.robot)
+
+    def _obstructed(self, robots: Iterable[str], why: str, cause: str) -> Failure:
+        """Returns a failure because of other robots, with who they are and what they do as data."""
+        others = list(dict.fromkeys(robots))
+        reason = f"no way to {self.params.location}: {why} {' and '.join(others)}"
+        return Failure(reason, OBSTRUCTED, {"blocked_by": others, "cause": cause})
+
+    def _aside(self, area: BaseGeometry, outline: Outline) -> Execution[Path | None]:
+        """Finds a path to where the robot does not stand on an area; None if there is none."""
+        robots, footprint = self._standing(outline), self._spec().footprint
+        around = (*self._things(), *robots)
+        area = shapely.buffer(area, reach(outline))
+        for pose in floor_obstacles.asides(self.context, footprint, self.pose, around, area):
+            path = yield from self._path(pose, robots)
+            if not isinstance(path, NoMotion):
+                return path
+        return None
+
+    def _give_way(self, base: Mobile, path: Path, outline: Outline, deadline: float) -> Execution[Failure | None]:
+        """Drives to where the robot is in nobody's way; returns why it does not get there."""
+        self.progress(1, f"makes room for {self._waits_for}")
+        with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
+            found = yield from self._wait_until_free(way, outline, deadline)
+            if not way.free:
+                return found if isinstance(found, Failure) else None
+            self.leave("makes room for another robot")
+            stuck = yield from self.drive(base, path, way)
+        return None if stuck is None else Failure(f"stuck while it made room for {self._waits_for}")
 
     def _tell(self, robots: Iterable[str]) -> None:
         waits_for = " and ".join(dict.fromkeys(robots))
         if waits_for != self._waits_for:
             self._waits_for = waits_for
             self.progress(1, f"waits for {waits_for} to clear the way")
-
-    def _pause(self, deadline: float) -> Execution[None]:
-        """Waits until another robot drives off or has arrived; some robots only moved an arm."""
-        end = min(deadline, self.context.now + _LOOK_AGAIN)
-        before = driving(self.context, self.params.robot)
-        while self.context.now < end and driving(self.context, self.params.robot) == before:
-            yield
 
     def _spec(self) -> MobileSpec[Any, Any]:
         return Mobile(self.context.board, self.params.base).spec

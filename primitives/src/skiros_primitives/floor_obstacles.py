@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
 
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import Outline
+from skiros_py.ports.paths import Outline, floor_area
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.surroundings import map_pose
+from skiros_py.world import vocabulary as v
 
 _HEIGHT = 1.2
 """Assumed height of a base with its folded arm [m]."""
@@ -95,3 +102,57 @@ def _tips(context: RunContext, robot: RobotSpec, *, now: bool) -> list[Pose]:
             positions = states[arm.id].positions if now else arm.home
             tips.append(kinematics.pose(arm.tip, dict(zip(arm.joints, positions, strict=True))))
     return tips
+
+
+_GRID = 0.25
+"""Distance between the places aside that are considered [m]."""
+_SPREAD = 1.0
+"""Smallest distance between those that are proposed [m]."""
+_MOST = 10
+_FAR = 15.0
+"""How far a robot drives to give way [m]."""
+_CLEARANCE = 0.1
+"""Distance to obstacles there [m]; a little more than on the way."""
+
+
+def asides(
+    context: RunContext, footprint: Outline, start: Pose, around: Sequence[Obstacle], area: BaseGeometry
+) -> list[Pose]:
+    """Returns poses to which a base may drive to give way, the nearest ones first; some may not be reachable.
+
+    There is room to turn there, and they are in the part of the floor that the base stands in.
+
+    Args:
+        context: The run.
+        footprint: Outline of the base.
+        start: Where it stands.
+        around: What it must not touch.
+        area: Where its middle must not be.
+    """
+    here = shapely.Point(start.position[:2])
+    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(footprint)).convex_hull.exterior)
+    closed = shapely.union_all([floor_area(one.solid, one.pose) for one in around])
+    parts = shapely.get_parts(_floor(context, here).difference(closed.buffer(0.9 * narrowest)))
+    within = shapely.union_all([part for part in parts if part.intersects(here)])
+    room = within.difference(closed.buffer(reach(footprint) + _CLEARANCE)).difference(area)
+    if room.is_empty:
+        return []
+    left, low, right, high = room.bounds
+    places = np.stack(np.meshgrid(np.arange(left, right, _GRID), np.arange(low, high, _GRID)), axis=-1).reshape(-1, 2)
+    places = places[shapely.contains_xy(room, places)]
+    found: list[Pose] = []
+    for x, y in places[np.argsort(np.hypot(*(places - start.position[:2]).T), kind="stable")].tolist():
+        if len(found) < _MOST and all(math.dist((x, y), other.position[:2]) >= _SPREAD for other in found):
+            yaw = math.atan2(y - start.position[1], x - start.position[0])
+            found.append(Pose.of(x, y, start.position[2], yaw=yaw))
+    return found
+
+
+def _floor(context: RunContext, here: BaseGeometry) -> BaseGeometry:
+    """Returns the floor around a point, as far as a robot drives to give way."""
+    near = here.buffer(_FAR)
+    for floor in context.world.instances(v.FLOOR):
+        size, pose = context.world.value(floor, v.SIZE), map_pose(context, floor)
+        if pose is not None and isinstance(size, tuple):
+            near = near.intersection(floor_area(Solid.box(*size[:2], _HEIGHT), pose))
+    return near

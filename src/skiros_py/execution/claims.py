@@ -140,6 +140,10 @@ class Claims:
         earlier = takewhile(lambda other: other is not claim, self._queues[device])
         return next((other for other in earlier if alone or device not in other.shared), None)
 
+    def wanted(self, device: str) -> bool:
+        """Returns whether a run has a device, or waits for it."""
+        return device in self._queues
+
     def release_all(self) -> None:
         """Gives all devices back."""
         for claim in reversed(tuple(self._claims)):  # the youngest first, so that none is granted in between

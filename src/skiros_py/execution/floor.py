@@ -5,6 +5,10 @@ Paths are planned around robots that stand; so a claimed way waits only for robo
 robot always moves. If that is no longer so, because a robot has stopped on it meanwhile, or stretches an arm over it,
 the way is blocked and its robot must plan another one.
 
+A robot whose way is blocked by others that stand may keep asking for it, and gets it when they have left. Robots that
+wait for each other in a ring would stand for ever: the last one of them that can is to give way, to where it is in no
+way that the others wait for. So is a robot that waits for a further one that works, while others wait only for it.
+
 An arm takes the floor below its whole motion before it moves. It waits for robots that are on their way there, and for
 no one else, not even for wishes, so that no arm and no base ever wait for each other.
 """
@@ -12,7 +16,7 @@ no one else, not even for wishes, so that no arm and no base ever wait for each 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,6 +24,7 @@ from itertools import pairwise
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from skiros_py.execution.claims import Claims
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
@@ -35,10 +40,12 @@ class FloorAreas:
     Args:
         board: Says where the robots are.
         robots: The robots of the cell.
+        claims: Says whose devices are in use.
     """
 
-    def __init__(self, board: DeviceBoard, robots: Sequence[RobotSpec]) -> None:
+    def __init__(self, board: DeviceBoard, robots: Sequence[RobotSpec], claims: Claims) -> None:
         self._board = board
+        self._claims = claims
         self._robots = {robot.id: robot for robot in robots}
         self._outlines: dict[str, Outline] = {robot.id: robot.outline for robot in robots}
         self._owners = {device.id: robot.id for robot in robots for device in robot.devices}
@@ -78,10 +85,13 @@ class FloorAreas:
         left = [way for way in self._ways if way.released and self._stands(way.robot)]
         for way in left:
             self._ways.remove(way)
-        if left or changed:
+        changed = changed or bool(left)
+        while changed:  # a robot that may go does not stand in the way of earlier ones any more
+            changed = False
             for number, way in enumerate(self._ways):
                 if not way.granted:
                     self._judge(way, self._ways[:number])
+                    changed = changed or way.granted
 
     def remove(self, way: FloorWay) -> None:
         """Takes back a wish, or gives back a way, as soon as its base stands."""
@@ -89,12 +99,29 @@ class FloorAreas:
             self._ways.remove(way)
         self.settle(changed=True)
 
+    def idle(self, robots: Sequence[str]) -> tuple[str, ...]:
+        """Returns those of some robots that nothing runs on: they stay where they stand."""
+        return tuple(r for r in robots if not any(self._claims.wanted(d.id) for d in self._robots[r].devices))
+
+    def awaiting(self, way: FloorWay) -> list[FloorWay]:
+        """Returns the ways that would become free if robots left that wait for a way themselves, with this one's."""
+        waiting = {other.robot for other in self._ways if other.standing}
+        return [o for o in self._ways if way.robot in o.standing and waiting.issuperset(o.standing)]
+
+    def ring(self, way: FloorWay) -> list[FloorWay]:
+        """Returns the ways, oldest first, whose robots wait for each other in a ring with this one's; or none."""
+        standing = {other.robot: other.standing for other in self._ways if other.standing}
+        behind = {robot: _reached(robot, standing) for robot in standing}
+        own = behind.get(way.robot, set())
+        return [o for o in self._ways if o.robot in own and way.robot in behind.get(o.robot, ())]
+
     def _judge(self, way: FloorWay, before: Sequence[FloorWay]) -> None:
         others = [robot for robot in self._robots if robot != way.robot]
         standing = [robot for robot in others if not self.is_driving(robot) and self._stands_in(robot, way.area)]
         taken = [other for other in self._ways if other.granted and other.robot != way.robot]
-        moving = [other.robot for other in (*taken, *before) if other.area.intersects(way.area)]
-        way.blocked = bool(standing)
+        earlier = [other for other in before if not other.standing]  # who cannot go holds nobody up
+        moving = [other.robot for other in (*taken, *earlier) if other.area.intersects(way.area)]
+        way.standing = tuple(standing)
         way.others = tuple(dict.fromkeys((*standing, *(robot for robot in moving if robot != way.robot))))
         way.granted = not way.others
 
@@ -117,7 +144,8 @@ class FloorWay(AbstractContextManager["FloorWay"]):
         robot: Whose it is.
         granted: True once the robot may go.
         released: True when it has been given back.
-        blocked: True when somebody stands on it who is not driving, or has an arm above it.
+        standing: Ids of the robots that stand on it and are not driving, or have an arm above it.
+        refused: True when its robot cannot give way.
         others: Ids of the robots because of which it is not free.
         area: What is left of it to drive over.
     """
@@ -126,7 +154,8 @@ class FloorWay(AbstractContextManager["FloorWay"]):
         self.robot = robot
         self.granted = False
         self.released = False
-        self.blocked = False
+        self.standing: tuple[str, ...] = ()
+        self.refused = False
         self.others: tuple[str, ...] = ()
         self._floor = floor
         self._stretches = stretches
@@ -138,9 +167,36 @@ class FloorWay(AbstractContextManager["FloorWay"]):
         self._floor.settle()
         return self.granted
 
+    @property
+    def blocked(self) -> bool:
+        """True when somebody who is not driving stands there, or has an arm there."""
+        return bool(self.standing)
+
     def waits_for(self) -> tuple[str, ...]:
         """Returns the ids of the robots because of which it is not free."""
         return self.others
+
+    def idle(self) -> tuple[str, ...]:
+        """Returns the ids of robots that stand there, and that nothing runs on."""
+        return self._floor.idle(self.standing)
+
+    def to_leave(self) -> BaseGeometry | None:
+        """Returns the floor that others wait for, if it is this robot that is to give way; else None."""
+        awaiting = [] if self.refused or not self.standing else self._floor.awaiting(self)
+        able = [way for way in self._floor.ring(self) if not way.refused and self._floor.awaiting(way)]
+        if not awaiting or (able and able[-1] is not self):
+            return None
+        return shapely.union_all([way.area for way in awaiting])
+
+    def refuse(self) -> None:
+        """Says that the robot has no room to give way: another one of the ring is to."""
+        self.refused = True
+
+    def deadlock(self) -> tuple[str, ...]:
+        """Returns the ids of robots that wait for each other in a ring with this one, if none of them can give way."""
+        ring = self._floor.ring(self)
+        asked = [way for way in ring if self._floor.awaiting(way)]
+        return tuple(w.robot for w in ring if w is not self) if asked and all(w.refused for w in asked) else ()
 
     def passed(self, legs: float) -> None:
         """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
@@ -157,6 +213,18 @@ class FloorWay(AbstractContextManager["FloorWay"]):
 
     def __exit__(self, *_: object) -> None:
         self.release()
+
+
+def _reached(robot: str, standing: Mapping[str, Sequence[str]]) -> set[str]:
+    """Returns the robots that one waits for, directly or because those wait for them."""
+    found: set[str] = set()
+    ahead = [*standing[robot]]
+    while ahead:
+        other = ahead.pop()
+        if other not in found:
+            found.add(other)
+            ahead += standing.get(other, ())
+    return found
 
 
 @dataclass(frozen=True, slots=True)

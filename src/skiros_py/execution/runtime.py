@@ -12,6 +12,7 @@ from typing import Any, Protocol, Self, TypeVar, cast
 import numpy as np
 
 from skiros_py.errors import UnknownName, UsageError, WrongState
+from skiros_py.execution.claims import Claims
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.loader import read_configuration
@@ -312,6 +313,7 @@ class Runtime:
         self.cycle = ControlCycle(board, options.pace)
         self.signals = self.cycle.signals = Signals(board, options.signals, options.sources, options.signals_missing)
         world.sensors = self.signals
+        claims = Claims()
         self.context = RunContext(
             world=world,
             board=board,
@@ -322,14 +324,14 @@ class Runtime:
             lockstep=options.pace is None,
             clock=board,
             questions=self.questions,
-            floor=FloorAreas(board, spec.robots),
+            floor=FloorAreas(board, spec.robots, claims),
             signals=self.signals,
             waiting=self.cycle.activity.waiting,
         )
         kind = driver.kind if options.kind is None else options.kind
         watches = Watches(world)
         cell = CellModules(
-            skills, primitives, self.context, self.cycle, self.monitor, watches, driver=kind, config=config
+            skills, primitives, self.context, self.cycle, self.monitor, watches, kind, config, claims
         )
         self.managers = Managers(cell)
         self.managers.open_all()

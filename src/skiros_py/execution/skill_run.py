@@ -151,7 +151,7 @@ class SkillRun(ModuleRun):
                 return outcome
             failures.append(outcome)
         reasons = dict.fromkeys(failure.reason for failure in failures)
-        return Failure("; then ".join(reasons), failures[-1].code)
+        return replace(failures[-1], reason="; then ".join(reasons))
 
     def _attempt(self, skill: Skill) -> Execution[Outcome]:
         duration, limit = self.description.duration, self.description.limit

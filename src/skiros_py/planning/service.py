@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.domain.numbers import number_needs
+from skiros_py.planning.domain.numbers import endless_changes, number_needs
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
@@ -169,8 +168,8 @@ class SolverLoop:
         reached: The highest sequence number that each robot has visited in this task.
         options: How to plan.
         stopped: Returns True once planning is cancelled.
-        hurry: Wall time limit of a planner for an incomplete task [s]. Third-party planners support no other kind of
-            limit; whether there is a plan does not depend on it.
+        hurry: Wall time limit of a planner for an incomplete task, or one whose numbers have no limits [s].
+            Third-party planners support no other kind of limit; whether there is a plan does not depend on it.
         notes: Planner failures so far.
     """
 
@@ -265,7 +264,15 @@ class SolverLoop:
 
         def plan_part(goal: Sequence[Condition]) -> Plan | None:
             nonlocal planner
-            found = replace(self, view=_without_robots_in_the_way(self.view), goal=tuple(goal)).guess()
+            part = replace(self, view=_without_robots_in_the_way(self.view), goal=tuple(goal))
+            try:
+                found = part.guess()
+            except PlanningError as error:
+                self._check_goes_on(error)
+                part.notes.append(str(error))
+                return None
+            finally:
+                self.notes += part.notes
             planner = found.planner
             return found.plan
 
@@ -295,8 +302,7 @@ class SolverLoop:
             except _Hopeless as error:
                 return Found(texts, asked, None, (str(error),))
             except PlanningError as error:
-                if self.planners.closed or self.stopped():
-                    raise
+                self._check_goes_on(error)
                 hurried = hurried or isinstance(error, _GivenUp)
                 self.notes.append(str(error))
                 continue
@@ -310,14 +316,23 @@ class SolverLoop:
             raise PlanningError(self.planners.why_none(texts.requirements) + because)
         return Found(texts, asked, None, tuple(self.notes[known:]), hurried)
 
+    def _check_goes_on(self, error: PlanningError) -> None:
+        """Raises an error again if all planners were closed, or planning was cancelled."""
+        if self.planners.closed or self.stopped():
+            raise error
+
     def _outcome(self, planner: Planner, task: PlanningTask, texts: PddlTexts) -> Plan | Wrong | Unsolvable:
+        endless = next(endless_changes(task.domain.actions), "")
+
         def check(taken: float) -> None:
             if self.stopped():
                 raise PlanningError("planning was stopped")
             if taken > _PATIENCE and self.is_hopeless:
                 raise _Hopeless("there is no plan")
-            if not task.complete and taken > self.hurry:
+            if taken > self.hurry and not task.complete:
                 raise _GivenUp(f"{planner.name} found no plan with what is nearest in {self.hurry:g} s")
+            if taken > self.hurry and endless:
+                raise _GivenUp(f"{planner.name} found no plan in {self.hurry:g} s, and may search for ever: {endless}")
 
         answer = wait_for(planner.solve(texts.domain, texts.problem), check)
         return answer if isinstance(answer, Unsolvable) else validate(task, texts, answer, self.reached)
@@ -358,17 +373,20 @@ class SolverLoop:
         free = uncounted(task)
         texts = write_pddl(free.domain, free.problem, name=self.options.name)
         for planner in self.planners.fitting(texts.requirements) if free is not task else ():
-            with suppress(PlanningError):
+            try:
                 outcome = self._outcome(planner, free, texts)
-                if not isinstance(outcome, Wrong):
-                    break
-                why, edits = shortfall(task, outcome.steps)
-                text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
-                repairs = (
-                    [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
-                )
-                causes = (replace(cause, text=text, why=why), *others)
-                return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
+            except PlanningError as error:
+                self._check_goes_on(error)
+                continue
+            if not isinstance(outcome, Wrong):
+                break
+            why, edits = shortfall(task, outcome.steps)
+            text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
+            repairs = (
+                [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
+            )
+            causes = (replace(cause, text=text, why=why), *others)
+            return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
         return answer
 
 

@@ -14,6 +14,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
+from shapely.geometry.base import BaseGeometry
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
@@ -49,6 +50,18 @@ class Way(Protocol):
 
     def waits_for(self) -> tuple[str, ...]:
         """Returns the ids of the robots because of which it is not free."""
+
+    def idle(self) -> tuple[str, ...]:
+        """Returns the ids of robots that stand there, and that nothing runs on: they stay there."""
+
+    def to_leave(self) -> BaseGeometry | None:
+        """Returns the floor that others wait for, if it is this robot that is to give way [m, map]; else None."""
+
+    def refuse(self) -> None:
+        """Says that the robot has no room to give way: another one may be asked to."""
+
+    def deadlock(self) -> tuple[str, ...]:
+        """Returns the ids of robots that wait for each other in a ring with this one, if none of them can give way."""
 
     def passed(self, legs: float) -> None:
         """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""

@@ -11,6 +11,8 @@ _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 BROKEN = -3
 """Code of a failure that is a mistake in a module's code: the log has the traceback."""
+OBSTRUCTED = -4
+"""Code of a failure because of robots that stand in the way, ``values["blocked_by"]``: not the target's fault."""
 CANCELLED = -2
 """Code of a failure that is not the skill's own: it was ended because the world changed."""
 
@@ -35,10 +37,12 @@ class Failure:
     Attributes:
         reason: What happened, in the operator's words.
         code: Negative progress code (paper §4.1).
+        values: What is in the way, as plain data: ``blocked_by`` are the ids of robots.
     """
 
     reason: str
     code: int = -1
+    values: Mapping[str, Any] = field(default_factory=lambda: _NO_VALUES, hash=False, repr=False)
 
 
 Outcome = Success | Failure

@@ -418,7 +418,7 @@ class Dispatcher:
         if isinstance(outcome, Failure):
             what = TraceEventKind.CANCELLED if outcome.code == CANCELLED else TraceEventKind.FAILED
             verb = "is cancelled" if outcome.code == CANCELLED else "failed"
-            more = {"reason": outcome.reason, "code": outcome.code}
+            more = {"reason": outcome.reason, "code": outcome.code, **outcome.values}
             self._trace.write(what, f"{said} {verb}: {outcome.reason}", data | more, run)
         else:
             self._trace.write(TraceEventKind.ENDED, f"{said} is done", data | {"message": outcome.message}, run)

@@ -10,7 +10,7 @@ from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.outcome import CANCELLED, Failure
+from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.dispatcher import StepEnd
@@ -73,7 +73,7 @@ class TaskRecord:
         self._note_conditions()
 
     def _add(self, end: StepEnd) -> None:
-        """Adds one step; a step cancelled because the world changed does not count as a failure of its skill."""
+        """Adds one step; being cancelled because the world changed, or obstructed, is no failure at its target."""
         step, skill, outcome = end.run.step, end.skill, end.outcome
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
@@ -81,7 +81,7 @@ class TaskRecord:
         arguments = dict(step.arguments)
         self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
         target = arguments.get(skill.target)  # the user may have left it open
-        if target is not None and isinstance(outcome, Failure) and outcome.code != CANCELLED:
+        if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._failures[step.skill, target] += 1
             self._reasons.pop(target, None)  # the latest failure is the last entry
             self._reasons[target] = reason

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.devices.arm import ArmSpec
+from skiros_py.execution.claims import Claims
 from skiros_py.execution.floor import FloorAreas, FloorWay
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard
@@ -37,11 +38,11 @@ def moved(robot: RobotSpec, start: Pose) -> RobotSpec:
     return replace(robot, devices=tuple(devices))
 
 
-def floor_with(*places: tuple[float, float]) -> FloorAreas:
+def floor_with(*places: tuple[float, float], claims: Claims | None = None) -> FloorAreas:
     """Returns the floor of a cell whose robots stand at these places [m], heading along x."""
     there = zip(robots(len(places)), places, strict=True)
     specs = tuple(moved(r, Pose((x, y, 0.0))) for r, (x, y) in there)
-    return FloorAreas(DeviceBoard(FakeCell(CellSpec((), specs))), specs)
+    return FloorAreas(DeviceBoard(FakeCell(CellSpec((), specs))), specs, claims or Claims())
 
 
 def straight(floor: FloorAreas, number: int, start: tuple[float, float], end: tuple[float, float]) -> FloorWay:
@@ -126,6 +127,85 @@ def test_a_turn_on_the_spot_claims_the_area_swept_by_the_corners() -> None:
     with floor.ask("robot_1", OUTLINE, Pose(), standing) as way:
         assert way.free
     assert not floor.ask("robot_1", OUTLINE, Pose(), turning).free
+
+
+# ------------------------------------------------------------------ giving way
+
+
+def test_of_two_robots_in_each_others_way_the_later_one_is_to_leave_the_path_of_the_other() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0))
+    first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    later = straight(floor, 2, (2.0, 0.0), (-2.0, 0.0))
+
+    assert first.to_leave() is None
+    area = later.to_leave()
+    assert area is not None
+    assert area.contains(shapely.Point(4.0, 0.0))
+    assert not area.contains(shapely.Point(-2.0, 0.0))
+
+
+def test_a_robot_without_room_leaves_it_to_the_other_one_and_both_learn_if_that_has_none() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0))
+    first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    later = straight(floor, 2, (2.0, 0.0), (-2.0, 0.0))
+
+    later.refuse()
+    assert later.to_leave() is None
+    assert first.to_leave() is not None
+    assert (first.deadlock(), later.deadlock()) == ((), ())
+
+    first.refuse()
+    assert first.to_leave() is None
+    assert (first.deadlock(), later.deadlock()) == (("robot_2",), ("robot_1",))
+
+
+def test_a_robot_that_gives_way_is_not_held_up_by_the_pending_path_it_blocks() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0))
+    first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    straight(floor, 2, (2.0, 0.0), (-2.0, 0.0)).release()
+
+    with straight(floor, 2, (2.0, 0.0), (2.0, 3.0)) as aside:
+        assert aside.free
+        assert (first.free, first.blocked) == (False, False)
+
+
+def test_of_three_robots_that_wait_in_a_ring_only_the_last_is_to_give_way() -> None:
+    floor = floor_with((0.0, 0.0), (4.0, 0.0), (4.0, 4.0))
+    ring = [
+        straight(floor, 1, (0.0, 0.0), (4.0, 0.0)),
+        straight(floor, 2, (4.0, 0.0), (4.0, 4.0)),
+        straight(floor, 3, (4.0, 4.0), (0.0, 0.0)),
+    ]
+
+    assert [way.to_leave() is not None for way in ring] == [False, False, True]
+    ring[2].refuse()
+    assert [way.to_leave() is not None for way in ring] == [False, True, False]
+
+
+def test_a_robot_waiting_for_a_working_one_gives_way_to_those_that_wait_only_for_it() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0), (2.0, 3.0))
+    straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    waiting = straight(floor, 2, (2.0, 0.0), (2.0, 3.0))
+    assert waiting.to_leave() is not None
+
+
+def test_a_robot_is_not_sent_away_for_one_that_waits_for_a_working_robot_too() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0), (4.0, 0.0))
+    straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    next_in_line = straight(floor, 2, (2.0, 0.0), (4.0, 0.0))
+
+    assert next_in_line.to_leave() is None
+
+
+def test_a_robot_that_nothing_runs_on_is_named_as_idle() -> None:
+    claims = Claims()
+    floor = floor_with((0.0, 0.0), (2.0, 0.2), claims=claims)
+    way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+
+    assert way.idle() == ("robot_2",)
+    with claims.request("pick", ["arm_2"]):
+        assert way.idle() == ()
+    assert way.idle() == ("robot_2",)
 
 
 REACHING = ((0.0, -0.1), (0.8, -0.1), (0.8, 0.1), (0.0, 0.1))
@@ -237,6 +317,24 @@ def test_some_request_is_always_granted_unless_all_are_blocked(
     ways = [straight(floor, number, *ride) for number, ride in enumerate(zip(places, ends, strict=True), start=1)]
 
     assert any(way.free or way.blocked for way in ways)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(PLACES, min_size=2, max_size=4, unique=True), st.data())
+def test_if_all_robots_wait_for_each_other_one_of_them_is_to_give_way_until_none_can(
+    places: Sequence[tuple[float, float]], data: st.DataObject
+) -> None:
+    floor = floor_with(*places)
+    ends = [data.draw(st.sampled_from([p for p in places if p != place])) for place in places]
+    ways = [straight(floor, number, *ride) for number, ride in enumerate(zip(places, ends, strict=True), start=1)]
+    assert all(way.blocked for way in ways)
+
+    for _ in ways:
+        asked = [way for way in ways if way.to_leave() is not None]
+        assert asked or any(way.deadlock() for way in ways)
+        for way in asked:
+            way.refuse()
+    assert any(way.deadlock() for way in ways)
 
 
 @pytest.mark.parametrize("legs", [0.0, 0.3, 1.0])

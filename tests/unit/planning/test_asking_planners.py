@@ -5,9 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import replace
 from itertools import count
 
 import pytest
+from support.battery import battery_world, charging, driving
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.explanation.trial import Trial
@@ -18,9 +20,11 @@ from skiros_py.planning.process import ThreadHost
 from skiros_py.planning.requests import PlanRequest
 from skiros_py.planning.service import Planned, SolverLoop, plan
 from skiros_py.ports.values import Pending
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Computed, Condition, Verdict
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
-from skiros_py.testing.tiny import AT_LOCATION, IN_CONTAINER
+from skiros_py.testing.tiny import AT_LOCATION, DRIVE, FITS, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import AT
 from skiros_py.world.world import World
 
 MUCH = [f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a ." for n in range(2, 80)]
@@ -123,6 +127,42 @@ def test_a_slow_planner_with_few_candidates_is_stopped_and_retried_with_more() -
     assert second.plan is not None
 
 
+def test_failures_of_planners_asked_for_a_part_of_the_goal_are_noted() -> None:
+    world = tiny_world(robots=2)
+    planned = planning(world, Failing(*RIGHT, times=1, error="crashed"), (IN_CONTAINER("ball_1", "slot_1"),))
+
+    assert isinstance(planned.outcome, Plan)
+    assert planned.notes == ("crashed",)
+
+
+def test_a_part_of_the_goal_that_cannot_be_written_as_pddl_does_not_end_planning() -> None:
+    def fits(view: WorldView, ball: str, slot: str) -> Verdict:
+        if "floor" in view.objects("robot_1", AT):
+            raise ValueError(f"nothing is known of {ball} and {slot} from there")
+        return Verdict(True, "")
+
+    word = replace(FITS, pattern=Computed("tiny:fitsIn", "ball", "slot", fits))
+    asking = replace(PLACE, pre=tuple(word(*c.arguments) if c.type is FITS else c for c in PLACE.pre))
+    world = tiny_world(robots=2)
+    skills = [Capability(skill, world.instances(skill.agent_class)) for skill in (DRIVE, PICK, asking)]
+    planned = plan(GivenPlanner(*RIGHT), world, skills, (IN_CONTAINER("ball_1", "slot_1"),))
+
+    assert isinstance(planned.outcome, Plan)
+    assert "nothing is known of ball_1 and slot_1 from there" in planned.notes[0]
+
+
+def test_a_search_that_may_never_end_is_given_up_and_the_missing_limit_is_named() -> None:
+    slow, world = Failing(times=1000), battery_world(20.0)
+    slow.supports = frozenset({":typing", ":numeric-fluents"})
+    skills = (driving(), PICK, PLACE, charging(None, None))
+    able_ = tuple(Capability(skill, world.instances(skill.agent_class)) for skill in skills)
+    loop = SolverLoop(Planners.only(slow), world, able_, (IN_CONTAINER("ball_1", "slot_1"),), hurry=0.05)
+
+    with pytest.raises(PlanningError, match="nothing limits how far skill 'recharge' increases the charge"):
+        loop.plan()
+    assert slow.calls[0].cancelled
+
+
 # ------------------------------------------------------------------ stopping
 
 
@@ -153,7 +193,8 @@ def test_a_trial_waits_for_the_planner_until_it_is_cancelled() -> None:
     stopped = Trial(Planners.only(Later(10**9)), able(world), each=60.0, stopped=lambda: next(looks) > 20)
 
     assert patient(world, (IN_CONTAINER("ball_1", "slot_1"),)) is False
-    assert stopped(world, (IN_CONTAINER("ball_1", "slot_1"),)) is None
+    with pytest.raises(PlanningError, match="needs no more"):
+        stopped(world, (IN_CONTAINER("ball_1", "slot_1"),))
 
 
 def test_a_cancelled_request_ends_the_call_of_the_planner() -> None:

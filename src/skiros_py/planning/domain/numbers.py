@@ -62,6 +62,15 @@ def number_needs(actions: Iterable[Action]) -> Iterator[str]:
                 yield f"skill '{action.skill}' {word}s {effect}, which a planner such as kairos can count"
 
 
+def endless_changes(actions: Iterable[Action]) -> Iterator[str]:
+    """Yields which changes of numbers no precondition limits: a search for a plan may then go on for ever."""
+    for action in actions:
+        for change in action.changes:
+            word, property_, _ = change_of(change)
+            if word != ASSIGN and not _limits(change, action.pre):
+                yield f"nothing limits how far skill '{action.skill}' {word}s the {local_name(property_)}"
+
+
 def number_compared(predicate: str) -> tuple[str, Comparison] | None:
     """Returns which property a predicate compares with which number, and how; None for other predicates.
 
@@ -123,11 +132,17 @@ def farthest(change: Atom, pre: Collection[Atom]) -> float:
         change: What an action does.
         pre: The preconditions of the action.
     """
-    word, property_, amount = change_of(change)
+    word, _, amount = change_of(change)
     if word == ASSIGN or isinstance(amount, str):
         return inf if isinstance(amount, str) else amount
-    said = (number_compared(atom.predicate) for atom in pre if atom.arguments == change.arguments)
-    before = [one[1] for one in said if one is not None and one[0] == property_]
-    ops, sign = (("<", "<=", "="), 1.0) if word == INCREASE else ((">", ">=", "="), -1.0)
-    end = min((sign * float(c.value) for c in before if c.op in ops), default=inf) + amount
+    sign = 1.0 if word == INCREASE else -1.0
+    end = min((sign * limit for limit in _limits(change, pre)), default=inf) + amount
     return sign * (round(end, 9) if end < inf else end)
+
+
+def _limits(change: Atom, pre: Collection[Atom]) -> list[float]:
+    """Returns the numbers beyond which an action with some preconditions does not raise, or lower, a number further."""
+    word, property_, _ = change_of(change)
+    said = (number_compared(atom.predicate) for atom in pre if atom.arguments == change.arguments[:1])
+    ops = ("<", "<=", "=") if word == INCREASE else (">", ">=", "=")
+    return [float(one[1].value) for one in said if one is not None and one[0] == property_ and one[1].op in ops]

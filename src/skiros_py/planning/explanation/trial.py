@@ -41,7 +41,11 @@ class Trial:
     stopped: Callable[[], bool] = lambda: False
 
     def __call__(self, view: WorldView, goal: Sequence[Condition]) -> bool | None:
-        """Returns whether there is a plan that survives its replay; None if the planner failed or took too long."""
+        """Returns whether there is a plan that survives its replay; None if the planner failed or took too long.
+
+        Raises:
+            PlanningError: The explanation was cancelled, or the planners were closed.
+        """
         task = build_task(view, self.capabilities, goal)
         texts = write_pddl(task.domain, task.problem, name="trial")
         quick = (planner for planner in self.planners.fitting(texts.requirements) if planner.name == _QUICK)
@@ -54,6 +58,8 @@ class Trial:
             if isinstance(answer, Solved):
                 return True if isinstance(validate(task, texts, answer), Plan) else None
         except PlanningError:
+            if self.stopped() or self.planners.closed:
+                raise
             return None
         finally:
             self.together -= time.perf_counter() - started
