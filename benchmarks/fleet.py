@@ -20,6 +20,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import pyparsing
 import unified_planning.shortcuts as up
 from lanes import head_on, meet_all
 from planning_worlds import able, crowded
@@ -197,6 +198,7 @@ def is_valid_outside(planned: Planned) -> bool:
     if planned.texts is None or not isinstance(planned.outcome, Plan):
         return False
     up.get_environment().credits_stream = None
+    pyparsing.ParserElement.disable_memoization()  # unified-planning enables it: its parser then takes twice as long
     reader = PDDLReader()
     problem = reader.parse_problem_string(planned.texts.domain, planned.texts.problem)
     written = "\n".join(map(planned.texts.line, planned.outcome.groundings)) + "\n"

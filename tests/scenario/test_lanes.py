@@ -24,7 +24,7 @@ def test_of_two_robots_head_on_one_gives_way_and_both_arrive_without_touching() 
     assert met.touches == ()
 
 
-def test_where_no_robot_has_room_to_give_way_both_say_so_at_once() -> None:
+def test_where_no_robot_has_room_to_give_way_both_say_so_within_ten_seconds() -> None:
     met = meet(Lane(4.0, 1.5, (1.5, 1.5), ROBOTS, (0, 1)), seed=0)
 
     assert met.lasted <= 10.0

@@ -330,9 +330,7 @@ class Runtime:
         )
         kind = driver.kind if options.kind is None else options.kind
         watches = Watches(world)
-        cell = CellModules(
-            skills, primitives, self.context, self.cycle, self.monitor, watches, kind, config, claims
-        )
+        cell = CellModules(skills, primitives, self.context, self.cycle, self.monitor, watches, kind, config, claims)
         self.managers = Managers(cell)
         self.managers.open_all()
         self.watchdog = Watchdog(self.cycle, options.overrun)
