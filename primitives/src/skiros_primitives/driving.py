@@ -143,14 +143,13 @@ class DriveBase(DrivingPrimitive):
             if isinstance(path, NoMotion):
                 return Failure(f"no way to {self.params.location}: {path.reason}")
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
-                aside = yield from self._wait_until_free(way, outline, deadline)
+                found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
                     return (yield from self._follow(base, path, way, goal))
-            refusal = aside
-            if aside is not None and not isinstance(aside, Failure):
-                refusal = yield from self._give_way(base, aside, outline, deadline)
-            if refusal is not None:
-                return refusal
+            if found is not None and not isinstance(found, Failure):
+                found = yield from self._give_way(base, found, outline, deadline)
+            if isinstance(found, Failure):
+                return found
 
     def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:

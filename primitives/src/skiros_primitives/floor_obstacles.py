@@ -130,7 +130,7 @@ def asides(
         area: Where its middle must not be.
     """
     here = shapely.Point(start.position[:2])
-    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(footprint)).convex_hull.exterior)
+    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(footprint)).convex_hull.boundary)
     closed = shapely.union_all([floor_area(one.solid, one.pose) for one in around])
     parts = shapely.get_parts(_floor(context, here).difference(closed.buffer(0.9 * narrowest)))
     within = shapely.union_all([part for part in parts if part.intersects(here)])
@@ -150,9 +150,9 @@ def asides(
 
 def _floor(context: RunContext, here: BaseGeometry) -> BaseGeometry:
     """Returns the floor around a point, as far as a robot drives to give way."""
-    near = here.buffer(_FAR)
+    near: BaseGeometry = here.buffer(_FAR)
     for floor in context.world.instances(v.FLOOR):
         size, pose = context.world.value(floor, v.SIZE), map_pose(context, floor)
         if pose is not None and isinstance(size, tuple):
-            near = near.intersection(floor_area(Solid.box(*size[:2], _HEIGHT), pose))
+            near = near.intersection(floor_area(Solid.box(size[0], size[1], _HEIGHT), pose))
     return near

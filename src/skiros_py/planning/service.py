@@ -382,9 +382,7 @@ class SolverLoop:
                 break
             why, edits = shortfall(task, outcome.steps)
             text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
-            repairs = (
-                [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
-            )
+            repairs = [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
             causes = (replace(cause, text=text, why=why), *others)
             return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
         return answer
