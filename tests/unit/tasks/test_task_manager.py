@@ -8,10 +8,11 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.errors import PlanningError
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import OBSTRUCTED, Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
@@ -24,6 +25,7 @@ class Try(Primitive[Any]):
 
     name: ClassVar[str] = "try"
     clumsy: ClassVar[dict[str, int]] = {}
+    code: ClassVar[int] = -1
 
     @dataclass(frozen=True, slots=True)
     class Params:
@@ -34,7 +36,7 @@ class Try(Primitive[Any]):
         left = self.clumsy.get(self.params.ball, 0)
         if left:
             self.clumsy[self.params.ball] = left - 1
-            return Failure(f"{self.params.ball} slipped")
+            return Failure(f"{self.params.ball} slipped", self.code, {"blocked_by": ["robot_2"]})
         return Success()
 
 
@@ -121,6 +123,18 @@ def test_how_often_is_enough_can_be_chosen() -> None:
         bench.pursue("In(RedBall, slot_1)")
 
     assert picks(bench) == ["red_ball_1"]
+
+
+def test_robots_in_the_way_are_noted_and_are_no_failure_at_the_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    Try.clumsy["red_ball_1"] = 2
+    monkeypatch.setattr(Try, "code", OBSTRUCTED)
+    with Bench(tiny_world(), TRYING, (Try,), policy=Policy(attempts=1)) as bench:
+        task = bench.tasks.begin(bench.goal("In(RedBall, slot_1)"))
+        bench.runtime.finish(task)
+
+    failed = [entry.data for entry in task.trace.entries if entry.what is TraceEventKind.FAILED]
+    assert task.result.reached
+    assert [(data["code"], data["blocked_by"]) for data in failed] == [(OBSTRUCTED, ["robot_2"])] * 2
 
 
 def test_a_goal_without_a_plan_is_answered_with_reasons_and_nothing_is_done() -> None:
