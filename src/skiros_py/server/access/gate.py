@@ -18,12 +18,13 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from skiros_py.api.server import is_address
+from skiros_py.errors import SkirosError
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limiters import Rates, Slots, network_of
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
-from skiros_py.server.problems import Problem, problem_response
+from skiros_py.server.problems import Problem, fault_response, problem_response
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 
@@ -266,6 +267,7 @@ OPEN = _HEALTH | {_LOGIN}
 """Methods and paths that need no key."""
 _STOP = ("POST", f"{_API}/stop")
 """The request to stop: it always passes, regardless of the load; so do requests for the server's health."""
+_ORDER = re.compile(rf"POST {_API}/jobs|PUT {_API}/jobs/[^/]+")
 _LONGEST_LOGIN = 4 << 10
 _LOGINS = 50
 _LOGINS_OF_ONE = 10
@@ -305,6 +307,7 @@ class Gate:
         self._rates = Rates(services.settings.rate, 1.0)
         self._requests = Slots("requests", services.settings.requests, services.settings.requests)
         self._logins = Slots("logins", _LOGINS, _LOGINS_OF_ONE)
+        self._turns = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request, or passes it on."""
@@ -329,6 +332,9 @@ class Gate:
             await problem_response(request, problem)(scope, receive, answer)
         except Exception as error:
             if answer.revoked:
+                return
+            if isinstance(error, SkirosError) and not answer.status:
+                await fault_response(request, error)(scope, receive, answer)
                 return
             _log.exception("request %s broke: %s", request.state.id, error)
             if answer.status:  # the answer has begun: it can only be cut off
@@ -362,12 +368,21 @@ class Gate:
         if what in OPEN or what == _STOP:  # a stop is executed whatever its body is, and before the body has arrived
             await self._app(scope, receive, answer)
             return
+        await self._turn()
         self._check_rate(request.state.caller)
         with self._requests.take(""):
             if request.method not in SAFE:
+                if _ORDER.fullmatch(" ".join(what)):  # refused before anything of it is read: others wait meanwhile
+                    self._services.station.jobs.require_place()
                 body = await read_body(headers, receive, self._services.settings.body, _PATIENCE)
                 receive = replayed(body, receive)
+                await self._turn()
             await self._app(scope, receive, answer)
+
+    async def _turn(self) -> None:
+        """Waits until no earlier request begins: one begins in a round of the event loop, so that none delays a stop."""
+        async with self._turns:
+            await asyncio.sleep(0)
 
     def _check_rate(self, caller: Caller) -> None:
         if not self._rates.take(caller.key or caller.name):

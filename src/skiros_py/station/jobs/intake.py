@@ -63,13 +63,25 @@ class OrderIntake(Generic[T]):
         Raises:
             Overloaded: Too many orders wait.
         """
-        if not self._places.acquire(blocking=False):
-            raise Overloaded(f"{_MOST} orders wait to be stored: send them more slowly")
+        self._take_place()
         answer: Future[T] = Future()
         answer.set_running_or_notify_cancel()  # who no longer waits cannot cancel it: the order is stored anyway
         answer.add_done_callback(lambda _: self._places.release())
         self._requests.put(Request(read, answer_of, answer))
         return answer
+
+    def require_place(self) -> None:
+        """Checks that a further order can be queued, before it is read.
+
+        Raises:
+            Overloaded: Too many orders wait.
+        """
+        self._take_place()
+        self._places.release()
+
+    def _take_place(self) -> None:
+        if not self._places.acquire(blocking=False):
+            raise Overloaded(f"{_MOST} orders wait to be stored: send them more slowly")
 
     def _work(self) -> None:
         for group in iter(self._next_group, None):

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
 
-from skiros_py.errors import Busy, Removed, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.errors import Busy, DiskFault, FileError, Removed, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, Outcome, Transition, Trigger, next_state
 from skiros_py.tasks.jobs.queue import Guard, JobBook
@@ -183,6 +183,7 @@ class JobManager:
             WrongState: There is another order of that id, or there was one.
             Removed: The same order came before, and its job was removed.
             Busy: Too many jobs are open.
+            FileError: The stored job or request cannot be read, or the disk cannot be written.
         """
         (outcome,) = self.submit_all((Submission(order, start, comment, receipt, again),))
         self._guard.flush()
@@ -190,17 +191,17 @@ class JobManager:
             return outcome
         raise outcome
 
-    def submit_all(self, wanted: Sequence[Submission]) -> list[Job | UsageError | Busy]:
+    def submit_all(self, wanted: Sequence[Submission]) -> list[Job | SkirosError]:
         """Accepts orders in one transaction; they are on disk after :meth:`JobStore.sync`.
 
         Returns:
             For each, its job as :meth:`submit` returns it, or the error that it raises.
 
         Raises:
-            FileError: They cannot be stored; none was accepted.
+            DiskFault: They cannot be stored; none was accepted.
         """
         checked = [_outcome(self._check, one) for one in wanted]
-        outcomes: list[Job | UsageError | Busy] = []
+        outcomes: list[Job | SkirosError] = []
         added: list[Job] = []
         with self._guard.command(waits=False):
             with self.store.together():
@@ -390,11 +391,13 @@ class JobManager:
             raise WrongState(f"job '{job.id}' cannot go on: everything is halted ({halted}); look, reset, then answer")
 
 
-def _outcome(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | UsageError | Busy:
-    """Returns the result of a call, or why it was refused."""
+def _outcome(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | SkirosError:
+    """Returns the result of a call, or why it was refused; a disk that cannot be written refuses all others too."""
     try:
         return work(*args, **kwargs)
-    except (UsageError, Busy) as error:
+    except DiskFault:
+        raise
+    except (UsageError, Busy, FileError) as error:
         return error
 
 
