@@ -94,6 +94,10 @@ async def _main(file: str, port: int) -> None:
         items = [json.loads(data) for _, data in rows]
         return {"items": items, "next": str(rows[-1][0]) if len(rows) == limit else None}
 
+    async def stop() -> dict[str, bool]:
+        return {"halted": True}
+
+    app.post("/api/v1/stop")(stop)
     app.put("/api/v1/jobs/{job_id}", status_code=202)(put)
     app.get("/api/v1/jobs")(jobs)
     config = uvicorn.Config(app, port=port, http="httptools", access_log=False, log_level="warning")

@@ -63,7 +63,7 @@ class Server:
                 if stop["halted"]:
                     raise Halted(stop["why"])
                 time.sleep(0.2)
-            trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["entries"]
+            trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["items"]
             outcome = self.job(job)["outcome"]
             if outcome != "succeeded":
                 raise ValueError(f"the job ended otherwise: {outcome}")

@@ -68,7 +68,7 @@ def over(api: httpx2.Client, id_: str) -> dict[str, Any]:
 
 def happened(api: httpx2.Client, id_: str) -> list[str]:
     """Returns what happened for a job, in one word each."""
-    return [one["what"] for one in api.get(f"/jobs/{id_}/trace", params={"limit": 1000}).json()["entries"]]
+    return [one["what"] for one in api.get(f"/jobs/{id_}/trace", params={"limit": 1000}).json()["items"]]
 
 
 def steps(api: httpx2.Client, id_: str) -> list[str]:

@@ -663,7 +663,7 @@ def test_documents_of_all_kinds_are_exported_and_imported_over_http_in_each_of_t
         serving(str(tiny_scene(tmp_path)), tmp_path / "data") as served,
         httpx2.Client(base_url=f"{served.url}/api/v1") as api,
     ):
-        kinds = {one["kind"]: one["formats"] for one in api.get("/documents").json()["kinds"]}
+        kinds = {one["kind"]: one["formats"] for one in api.get("/documents").json()["items"]}
         assert kinds.keys() == EXAMPLES.keys()
         assert set(kinds["moody"]) == {"json", "signed"}
         for kind, formats in kinds.items():

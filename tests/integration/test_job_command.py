@@ -66,11 +66,11 @@ def test_a_goal_that_does_not_parse_is_shown_with_the_place_of_the_error(server:
 
 
 def test_a_preview_does_not_move_the_robot(server: ServerProcess) -> None:
-    before = len(json.loads(job(server, "list", "--json").stdout)["jobs"])
+    before = len(json.loads(job(server, "list", "--json").stdout)["items"])
     shown = job(server, "preview", "InKit(Alternator, kit_1)", "--json")
 
     assert [step["skill"] for step in json.loads(shown.stdout)["steps"]] == ["drive", "pick", "drive", "place"]
-    assert len(json.loads(job(server, "list", "--json").stdout)["jobs"]) == before
+    assert len(json.loads(job(server, "list", "--json").stdout)["items"]) == before
 
 
 @pytest.mark.parametrize(

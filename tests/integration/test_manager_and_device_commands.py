@@ -45,10 +45,10 @@ def test_a_skill_manager_is_closed_and_opened_from_the_shell(said: Ask, client: 
 
     assert said("manager", "close", "arm_1") == "arm_1 is closed\n"
     assert [manager["agent"] for manager in json.loads(said("manager", "list", "--json"))] == ["base_1"]
-    assert {skill.name for skill in client.modules.skills()} == {"drive"}
+    assert {skill.name for skill in client.modules.skills().items} == {"drive"}
 
     assert said("manager", "open", "arm_1") == "arm_1 offers pick, place\n"
-    assert "pick" in {skill.name for skill in client.modules.skills()}
+    assert "pick" in {skill.name for skill in client.modules.skills().items}
 
 
 def test_a_device_is_closed_and_opened_from_the_shell(said: Ask, client: Client) -> None:

@@ -39,9 +39,9 @@ def test_a_document_has_revisions_and_is_overwritten_only_with_its_latest_versio
 
     assert [answer.status_code for answer in (first, blind, second, stale)] == [201, 428, 200, 412]
     assert second.headers["ETag"] == f'"{second.json()["revision"]}"'
-    revisions = api.get("/documents/tree/twice/revisions").json()["documents"]
+    revisions = api.get("/documents/tree/twice/revisions").json()["items"]
     assert [one["data"]["type"] for one in revisions] == ["sequence", "wait"]
-    assert [one["id"] for one in api.get("/documents/tree").json()["documents"]] == ["twice"]
+    assert [one["id"] for one in api.get("/documents/tree").json()["items"]] == ["twice"]
 
 
 def test_a_fault_in_a_document_is_answered_with_its_place(api: httpx2.Client) -> None:
@@ -128,7 +128,7 @@ def test_a_fault_of_an_imported_text_is_answered_with_its_place_and_nothing_is_w
     (found,) = answer.json()["faults"]
     assert {key: found[key] for key in fault} == fault
     assert api.get("/documents/tree/half").status_code == 404
-    assert api.get("/documents/tree/half/revisions").json()["documents"] == []
+    assert api.get("/documents/tree/half/revisions").json()["items"] == []
 
 
 def test_a_removed_document_can_no_longer_be_run(api: httpx2.Client) -> None:
@@ -140,7 +140,7 @@ def test_a_removed_document_can_no_longer_be_run(api: httpx2.Client) -> None:
 
 
 def test_document_kinds_list_the_nodes_that_an_editor_can_offer(api: httpx2.Client) -> None:
-    kinds = {kind["kind"]: kind for kind in api.get("/documents").json()["kinds"]}
+    kinds = {kind["kind"]: kind for kind in api.get("/documents").json()["items"]}
 
     offered = {node["kind"]: node for node in kinds["tree"]["palette"]}
     assert offered["wait"]["fields"] == {"seconds": "float"}
@@ -154,7 +154,7 @@ def test_the_last_fifty_revisions_are_kept(api: httpx2.Client) -> None:
     for _ in range(55):
         seen = written(api, "often", **{"If-Match": seen}).headers["ETag"]
 
-    kept = [one["revision"] for one in api.get("/documents/tree/often/revisions").json()["documents"]]
+    kept = [one["revision"] for one in api.get("/documents/tree/often/revisions").json()["items"]]
     assert len(kept) == 50
     assert f'"{kept[-1]}"' == seen
     assert first.json()["revision"] not in kept
@@ -184,7 +184,7 @@ def test_a_document_is_written_run_and_debugged_from_the_shell(api: httpx2.Clien
     assert said("import", "tree", "by hand", str(file))["revision"] > 0
     assert said("show", "tree", "by hand")["data"] == TREE
     assert json.loads(said("export", "tree", "by hand")["text"]) == TREE
-    assert "by hand" in [one["id"] for one in said("list", "tree")["documents"]]
+    assert "by hand" in [one["id"] for one in said("list", "tree")["items"]]
 
     run = said("run", "tree", "by hand", "--agent", "base_1", "--break", "body/0", "--break", "body/1")["id"]
     wait_for(run, "paused")

@@ -76,20 +76,20 @@ def test_an_invalid_goal_is_answered_with_what_would_be_valid(api, goal, code, m
 def test_a_condition_lists_the_narrower_class_that_robots_can_reach_for_a_role(
     api: httpx2.Client,
 ) -> None:
-    words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
+    words = {word["name"]: word for word in api.get("/goals/conditions").json()["items"]}
     _, location = words["ObjectAtLocation"]["roles"]
     assert location == {"name": "location", "class": "sk:Container", "reached": "kitting:Compartment"}
     assert all(role["reached"] == role["class"] for role in words["InKit"]["roles"])
 
 
 def test_the_listed_conditions_are_those_that_the_robots_can_fulfil(api):
-    words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
+    words = {word["name"]: word for word in api.get("/goals/conditions").json()["items"]}
     assert words["InKit"]["skills"] == ["place"]
     assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit", "reached": "kitting:Kit"}
     assert (words["InKit"]["abstract"], words["EmptyHanded"]["abstract"]) == (True, False)
     assert words["RobotAtLocation"]["skills"] == ["drive"]
     assert "FitsIn" not in words
-    every = {word["name"] for word in api.get("/goals/conditions?all=true").json()["conditions"]}
+    every = {word["name"] for word in api.get("/goals/conditions?all=true").json()["items"]}
     assert every > set(words)
 
 
@@ -120,7 +120,7 @@ def test_a_template_is_overwritten_only_with_its_latest_version(api):
     problem(api.put("/documents/template/fill a kit", json={"data": FILL}, headers=head), 412)
     problem(api.delete("/documents/template/fill a kit", headers=head), 412)
     assert api.get("/documents/template/fill a kit").json() == second.json()
-    assert [one["id"] for one in api.get("/documents/template").json()["documents"]] == ["fill a kit"]
+    assert [one["id"] for one in api.get("/documents/template").json()["items"]] == ["fill a kit"]
     assert api.delete("/documents/template/fill a kit", headers={"If-Match": second.headers["etag"]}).status_code == 204
     problem(api.get("/documents/template/fill a kit"), 404)
 
@@ -284,10 +284,10 @@ def test_the_client_reads_and_writes_goals_templates_and_previews(served):
         order = order_from(template="by client", parameters={"kit": "kit_1"}, materials=("RelayBox",))
         assert client.send(Goals.check(order)).text == "InKit(kitting:RelayBox, kit_1)"
         client.documents.remove("template", "by client", seen=written.revision)
-        assert "by client" not in {one.id for one in client.documents.list("template").documents}
+        assert "by client" not in {one.id for one in client.documents.list("template").items}
         goals, seen = client.send(Goals.get())
         assert client.send(Goals.put(goals.goals, seen=seen)).goals == goals.goals
-        assert client.send(Goals.conditions(every=True)).conditions
+        assert client.send(Goals.conditions(every=True)).items
         asked = client.send(Previews.ask(GoalOrder(goal="EmptyHanded(gripper_1)")))
         assert client.send(Previews.get(asked.id, wait=30)).state == "planned"
         assert asked.id in {preview.id for preview in client.send(Previews.list()).items}

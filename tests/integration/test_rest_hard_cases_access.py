@@ -63,12 +63,12 @@ def test_a_form_on_a_foreign_page_changes_nothing_even_with_the_cookie_of_the_br
     _, secret = locked.services.keys.create("anna", Role.ADMIN)
     with api_of(locked) as api:
         assert api.post("/session", json={"key": secret}).status_code == 200
-        before = len(api.get("/keys").json())
+        before = len(api.get("/keys").json()["items"])
         body = b'{"name": "a", "role": "admin"}'
         page = {"Origin": "https://evil.example", "Sec-Fetch-Site": "cross-site", "Content-Type": type_}
         assert api.post("/keys", content=body, headers=page).status_code in (403, 415)
         assert api.post("/keys", content=body, headers={"Content-Type": type_}).status_code in (403, 415, 422)
-        assert len(api.get("/keys").json()) == before
+        assert len(api.get("/keys").json()["items"]) == before
 
 
 @pytest.mark.parametrize(
@@ -222,7 +222,7 @@ def test_a_webhook_reaches_only_allowed_hosts(open_: Served, url: str) -> None:
     with api_of(open_) as api:
         refused = api.post("/webhooks", json={"url": url})
         assert refused.status_code == 422, refused.text
-        assert api.get("/webhooks").json() == []
+        assert api.get("/webhooks").json()["items"] == []
 
 
 @pytest.fixture(scope="module")
@@ -245,6 +245,6 @@ def test_messages_undelivered_at_a_kill_of_the_server_are_delivered_afterwards_i
     target.answer = lambda _event: 200
     with ServerProcess(*start, data=tmp_path) as server, server.client() as client:
         until(lambda: target.states("kit") == WHOLE_LIFE)
-        until(lambda: client.http.get("/webhooks").json()[0]["pending"] == 0)
+        until(lambda: client.http.get("/webhooks").json()["items"][0]["pending"] == 0)
     numbers = [one["sequence"] for one in target.events]
     assert numbers == sorted(set(numbers))

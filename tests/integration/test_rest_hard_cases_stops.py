@@ -77,7 +77,7 @@ def order(api: httpx2.Client, id_: str = "kit", **more: object) -> None:
 
 def ends(api: httpx2.Client, id_: str) -> list[str]:
     """Returns the states in which a job ended: one, if all is right."""
-    told = api.get(f"/jobs/{id_}/transitions").json()["transitions"]
+    told = api.get(f"/jobs/{id_}/transitions").json()["items"]
     return [text for one in told if (text := one["state"]["text"]) in ("Ended", "Aborted")]
 
 
@@ -204,7 +204,7 @@ def test_a_part_moved_during_the_plan_is_fetched_from_its_new_place(api: httpx2.
 def test_a_compartment_filled_during_the_plan_is_left_alone(api: httpx2.Client) -> None:
     order(api)
     until(lambda: moves(api, "kit"))
-    wanted = api.get("/jobs/kit/plan").json()["steps"][-1]["arguments"]["Compartment"]
+    wanted = api.get("/jobs/kit/plan").json()["items"][-1]["arguments"]["Compartment"]
 
     there = {"placement": {"relation": "sk:in", "place": wanted}}
     api.patch("/elements/relay_box_1", json=there, headers=ANYHOW).raise_for_status()

@@ -1,18 +1,20 @@
 """What a factory system orders, commands and reads: jobs over the API of a real server."""
 
+import json
 import threading
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from urllib.parse import quote
 
 import httpx2
 import pytest
+from support.crowd import connect
 from support.serving import Served, serving
 
 from skiros_py.api.jobs import JobOrder, JobResponse
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Jobs
-from skiros_py.errors import UsageError
+from skiros_py.errors import Overloaded, UsageError
 from skiros_py.tasks.jobs.job import JobOrder as Order
 from skiros_py.tasks.jobs.job import Outcome
 from skiros_py.world.element import Placement
@@ -88,7 +90,7 @@ def test_an_order_is_accepted_at_once_executed_and_reported(api):
     assert {step.ended for step in response.job_response_data} == {"done"}
     assert [one.state.number for one in response.transitions] == [2, 3, 5]
 
-    plan = api.get("/jobs/kit-1/plan").json()["steps"]
+    plan = api.get("/jobs/kit-1/plan").json()["items"]
     assert [(step["skill"], step["after"]) for step in plan] == [
         ("drive", []), ("pick", [0]), ("drive", [1]), ("place", [2])
     ]  # fmt: skip
@@ -97,9 +99,9 @@ def test_an_order_is_accepted_at_once_executed_and_reported(api):
     assert (report["reached"], len(report["steps"])) == (True, 4)
     assert all(step["end"] > step["start"] for step in report["steps"])
     trace = api.get("/jobs/kit-1/trace", params={"limit": 3}).json()
-    assert [entry["what"] for entry in trace["entries"]] == ["begun", "planned", "started"]
+    assert [entry["what"] for entry in trace["items"]] == ["begun", "planned", "started"]
     rest = api.get("/jobs/kit-1/trace", params={"limit": 1000, "cursor": trace["next"]}).json()
-    assert (rest["entries"][-1]["what"], rest["next"]) == ("finished", None)
+    assert (rest["items"][-1]["what"], rest["next"]) == ("finished", None)
 
 
 def test_sending_the_same_order_fifty_times_at_once_creates_one_job(api):
@@ -290,7 +292,7 @@ def test_commands_can_be_repeated_and_are_refused_in_states_that_do_not_allow_th
     assert (aborted.json()["outcome"], api.post("/jobs/commands/abort").json()) == ("aborted", aborted.json())
     for command in ("start", "revoke-start", "pause", "resume", "stop", "cancel"):
         problem(api.post(f"/jobs/commands/{command}"), 409)
-    transitions = api.get("/jobs/commands/transitions").json()["transitions"]
+    transitions = api.get("/jobs/commands/transitions").json()["items"]
     assert [one["trigger"] for one in transitions] == ["store", "start", "revoke start", "abort"]
     assert transitions[-1]["comment"] == "local: not needed"
     assert api.post("/jobs/commands/clear").status_code == 200
@@ -403,6 +405,26 @@ def test_ordered_materials_are_returned_unchanged(api):
         problem(api.put("/jobs/odd", json=HOLDS | {"materials": [{"class": "Starter", "quantity": quantity}]}), 422)
 
 
+def test_an_order_is_refused_before_its_body_arrives_while_too_many_wait_to_be_stored(served):
+    intake, hold, answers = served.services.station.jobs._intake, threading.Event(), []
+    with connect(served.url) as one:
+        try:
+            with pytest.raises(Overloaded):
+                answers.extend(intake.ask(lambda: hold.wait(30.0), lambda _job: None) for _ in range(1000))
+            one.sendall(b"PUT /api/v1/jobs/full HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n")
+            refused = one.recv(1 << 16)
+        finally:
+            hold.set()
+        assert not wait(answers, 30.0).not_done
+        one.sendall(b"not JSON.GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+        assert one.recv(1 << 16).startswith(b"HTTP/1.1 200")  # the connection can be used again
+
+    header, _, body = refused.partition(b"\r\n\r\n")
+    assert header.startswith(b"HTTP/1.1 429")
+    assert b"retry-after: 1" in header.lower()
+    assert json.loads(body)["code"] == "UnableToAcceptJobOrder"
+
+
 def test_a_factory_system_can_list_what_it_may_order(api):
     told = api.get("/capabilities").json()
     assert "kitting:Starter" in told["material_class_ids"]
@@ -432,12 +454,12 @@ def test_job_responses_are_listed_by_state_and_page_by_page(api):
 def test_a_trace_is_read_page_by_page(api):
     api.put("/jobs/traced", json=HOLDS, headers=DONE).raise_for_status()
     whole = api.get("/jobs/traced/trace").json()
-    assert (len(whole["entries"]) > 1, whole["next"]) == (True, None)
+    assert (len(whole["items"]) > 1, whole["next"]) == (True, None)
     seen, cursor = [], "0"
     while cursor is not None:
         page = api.get("/jobs/traced/trace", params={"limit": 1, "cursor": cursor}).json()
-        seen, cursor = seen + page["entries"], page["next"]
-    assert seen == whole["entries"]
+        seen, cursor = seen + page["items"], page["next"]
+    assert seen == whole["items"]
 
 
 def test_a_job_with_an_open_question_is_held_until_it_is_answered(api, served):
@@ -474,7 +496,7 @@ def test_an_unplannable_goal_is_explained_as_data_and_in_sentences(api):
     assert explained["reasons"] == job["reasons"]
     assert all(cause["kind"] and cause["conditions"] for cause in explained["causes"])
     assert explained["repairs"]
-    assert api.get("/jobs/hopeless/plan").json() == {"steps": []}
+    assert api.get("/jobs/hopeless/plan").json() == {"items": [], "next": None}
 
 
 # ------------------------------------------------------------------ lists
@@ -538,10 +560,10 @@ def test_the_client_reads_all_parts_of_a_job(served):
         assert client.send(Jobs.list(states=["Ended"], limit=1, newest_first=True)).items == [job]
         assert client.send(Jobs.responses(limit=1, newest_first=True)).items[0].job_order_id == job.id
         assert client.send(Jobs.response(job.id)).outcome == job.outcome
-        assert client.send(Jobs.plan(job.id)).steps == ()
+        assert client.send(Jobs.plan(job.id)).items == []
         assert client.send(Jobs.report(job.id)).reached
-        assert client.send(Jobs.trace(job.id)).entries[0]["what"] == "begun"
-        assert len(client.send(Jobs.transitions(job.id)).transitions) == 3
+        assert client.send(Jobs.trace(job.id)).items[0]["what"] == "begun"
+        assert len(client.send(Jobs.transitions(job.id)).items) == 3
         assert client.send(Jobs.explanation(job.id)).reasons == ()
         assert client.send(Jobs.clear(job.id, seen=job.version)).id == job.id
         kept = client.send(Jobs.put("by-client", JobOrder(goal="EmptyHanded(gripper_1)"), start=False))

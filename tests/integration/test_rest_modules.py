@@ -61,7 +61,7 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
 
 
 def test_each_subsystem_lists_its_modules_and_its_robot(api) -> None:
-    managers = {manager.agent: manager for manager in done(api, Modules.managers())}
+    managers = {manager.agent: manager for manager in done(api, Modules.managers()).items}
 
     assert managers.keys() == {"arm_1", "base_1"}
     assert managers["arm_1"].skills == ["pick", "place"]
@@ -70,7 +70,7 @@ def test_each_subsystem_lists_its_modules_and_its_robot(api) -> None:
 
 
 def test_a_module_is_listed_once_with_all_subsystems_that_can_run_it(api) -> None:
-    listed = {module.name: module for module in done(api, Modules.list())}
+    listed = {module.name: module for module in done(api, Modules.list()).items}
 
     assert [place.agent for place in listed["confirm"].agents] == ["arm_1", "base_1"]
     assert (listed["pick"].kind, listed["move_arm"].kind) == ("skill", "primitive")
@@ -102,7 +102,7 @@ def test_a_module_description_lists_its_output_values(api) -> None:
 def test_a_skill_description_contains_its_planning_action(api) -> None:
     drive = done(api, Modules.skill("drive"))
 
-    assert drive in done(api, Modules.skills())
+    assert drive in done(api, Modules.skills()).items
     assert (drive.agent, drive.target, drive.agent_class) == ("Base", "Location", "sk:Base")
     assert len(drive.needs) > len(drive.pre) or drive.needs == drive.pre
     assert [place.agent for place in drive.agents] == ["base_1"]
@@ -272,4 +272,4 @@ def test_plug_ins_are_listed_with_their_origin_and_status(api) -> None:
     drive = next(one for one in plugins["items"] if (one["group"], one["name"]) == ("skiros.skills", "drive"))
     assert drive["distribution"] == "skiros-skills"
     assert drive["works"]
-    assert api.get("/plugins/faults").json() == []
+    assert api.get("/plugins/faults").json() == {"items": [], "next": None}

@@ -48,7 +48,7 @@ def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
 
 
 def test_a_robot_is_described_with_its_devices_and_joint_limits(api) -> None:
-    (robot,) = done(api, Robots.list())
+    (robot,) = done(api, Robots.list()).items
 
     assert robot == done(api, Robots.get("robot_1"))
     devices = {device.id: device for device in robot.devices}
@@ -61,7 +61,7 @@ def test_a_robot_is_described_with_its_devices_and_joint_limits(api) -> None:
 
 
 def test_devices_of_any_kind_are_described_with_their_values(api) -> None:
-    told = {device.id: device for device in done(api, Devices.list())}
+    told = {device.id: device for device in done(api, Devices.list()).items}
     gripper = done(api, Devices.get("gripper_1"))
     reading = done(api, Devices.state("gripper_1"))
 

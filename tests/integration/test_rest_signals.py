@@ -63,7 +63,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
 
 
 def test_device_signals_computed_signals_and_inputs_are_listed_alike(client: Client) -> None:
-    told = {one.name: one for one in client.signals.list()}
+    told = {one.name: one for one in client.signals.list().items}
 
     assert (told["gripper_1.force"].unit, told["gripper_1.force"].source) == ("N", "gripper_1")
     assert (told["half_limit"].dimension, told["localiser_1.yaw"].dimension) == ("speed", "angle")

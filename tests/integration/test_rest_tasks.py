@@ -80,7 +80,7 @@ def test_a_task_keeps_its_goal_plan_order_steps_and_report(api) -> None:
     assert all(step.ended == "ended" and step.end is not None for step in task.steps)
     assert task.report is not None
     assert (task.report.outcome, task.report.reached) == ("reached", True)
-    assert [trace.entries[0]["what"], trace.entries[-1]["what"]] == ["begun", "finished"]
+    assert [trace.items[0]["what"], trace.items[-1]["what"]] == ["begun", "finished"]
     assert done(api, Tasks.list(active=False)).items[0].name == task.name
 
 
@@ -203,10 +203,10 @@ def test_the_stored_plan_of_a_job_can_become_a_sequence_after_its_task_is_forgot
     with serving("kitting", tmp_path) as first, httpx2.Client(base_url=f"{first.url}/api/v1", timeout=60.0) as http:
         order = {"goal": "InKit(Starter, kit_1)"}
         http.put("/jobs/kept", json=order, headers={"Prefer": "wait=30"}).raise_for_status()
-        fresh = http.get("/jobs/kept/plan").raise_for_status().json()["steps"]
+        fresh = http.get("/jobs/kept/plan").raise_for_status().json()["items"]
     with serving("kitting", tmp_path) as second, httpx2.Client(base_url=f"{second.url}/api/v1", timeout=60.0) as http:
         assert http.get("/tasks/kept").status_code == 404
-        kept = http.get("/jobs/kept/plan").raise_for_status().json()["steps"]
+        kept = http.get("/jobs/kept/plan").raise_for_status().json()["items"]
         steps = [{"skill": one["skill"], "arguments": one["arguments"]} for one in kept]
         http.put("/documents/sequence/again", json={"data": {"steps": steps}}).raise_for_status()
 

@@ -18,7 +18,7 @@ def test_each_step_in_a_trace_has_its_inputs_conditions_and_world_changes(tmp_pa
     ):
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}, headers={"Prefer": "wait=30"}).raise_for_status()
         deadline = time.monotonic() + PATIENCE
-        while len(entries := http.get("/jobs/kit/trace").json()["entries"]) < 11 and time.monotonic() < deadline:
+        while len(entries := http.get("/jobs/kit/trace").json()["items"]) < 11 and time.monotonic() < deadline:
             time.sleep(0.01)
         steps = [entry for entry in entries if entry["what"] == "ended"]
         ways = {

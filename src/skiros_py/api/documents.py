@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer, Request
+from skiros_py.api.wire import Answer, Page, Request
 
 
 class PaletteNode(Answer):
@@ -33,11 +33,8 @@ class DocumentKindInfo(Answer):
     """The nodes that an editor offers."""
 
 
-class DocumentKinds(Answer):
-    """All kinds of documents."""
-
-    kinds: tuple[DocumentKindInfo, ...]
-    """By name."""
+DocumentKinds = Page[DocumentKindInfo]
+"""The kinds of documents, by name."""
 
 
 class DocumentContent(Request):
@@ -75,8 +72,5 @@ class DocumentInfo(Answer):
     """The subsystems that would run parts of it now, by place; omitted in lists and revisions."""
 
 
-class Documents(Answer):
-    """The documents of a kind, or the revisions of one."""
-
-    documents: tuple[DocumentInfo, ...]
-    """By id; revisions the oldest first."""
+Documents = Page[DocumentInfo]
+"""The documents of a kind, by id; or the revisions of one, oldest first."""

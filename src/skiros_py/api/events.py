@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer
+from skiros_py.api.wire import Answer, Page
 
 EventKind = Literal["world", "module", "task", "job", "alarm", "document", "system"]
 
@@ -54,11 +54,9 @@ class ResetInfo(Answer):
     """Address of the current state."""
 
 
-class EventPage(Answer):
+class EventPage(Page[EventInfo]):
     """Some events, oldest first."""
 
-    items: tuple[EventInfo, ...]
-    """The events."""
     next: str = Field(examples=["1f2e3d4c-128"])
     """`after` of the next request, which may be sent at any time."""
     reset: ResetInfo | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
-from skiros_py.api.wire import Answer, Name, Request
+from skiros_py.api.wire import Answer, Name, Page, Request
 
 _LONGEST_TEXT = 20_000
 
@@ -164,11 +164,8 @@ class ConditionWord(Answer):
     """Skills of the present robots that can affect it; empty if none can."""
 
 
-class ConditionWords(Answer):
-    """The conditions of the goal language."""
-
-    conditions: tuple[ConditionWord, ...]
-    """By name."""
+ConditionWords = Page[ConditionWord]
+"""The conditions of the goal language, by name."""
 
 
 class TemplateParameter(Request):

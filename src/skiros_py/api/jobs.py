@@ -263,11 +263,8 @@ class JobTransition(Answer):
     """Why, and who requested it."""
 
 
-class JobTransitions(Answer):
-    """The changes of state of a job, in order."""
-
-    transitions: tuple[JobTransition, ...]
-    """Oldest first."""
+JobTransitions = Page[JobTransition]
+"""The changes of state of a job, oldest first."""
 
 
 class StateEntry(Answer):
@@ -329,20 +326,12 @@ class PlannedStep(Answer):
     """Planned start, relative to the start of the plan [s]; null if unknown."""
 
 
-class JobPlan(Answer):
-    """The last plan of a job."""
-
-    steps: tuple[PlannedStep, ...]
-    """Its steps; empty if there is none (yet)."""
+JobPlan = Page[PlannedStep]
+"""The steps of the last plan of a job; empty if there is none (yet)."""
 
 
-class JobTrace(Answer):
-    """Trace of a job."""
-
-    entries: tuple[dict[str, Any], ...]
-    """Oldest first; each with time [s], what, text and data."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
+class JobTrace(Page[dict[str, Any]]):
+    """Trace of a job, oldest entry first; each with time [s], what, text and data."""
 
 
 class JobReport(Answer):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Items, Moment, Request
+from skiros_py.api.wire import Answer, Moment, Page, Request
 
 _LONGEST_KEY = 100
 _MOST_ARGUMENTS = 50
@@ -70,6 +70,10 @@ class ManagerInfo(Answer):
     """Why it is lost; empty if it is not."""
 
 
+Managers = Page[ManagerInfo]
+"""The skill managers."""
+
+
 class ModulePlace(Answer):
     """Where a module can be run."""
 
@@ -92,6 +96,10 @@ class ModuleSummary(Answer):
     """Version of the first implementation."""
     agents: list[ModulePlace]
     """The subsystems that can run it."""
+
+
+Modules = Page[ModuleSummary]
+"""All modules."""
 
 
 class ModuleParameter(Answer):
@@ -248,6 +256,10 @@ class SkillInfo(Answer):
     """The subsystems that offer it now."""
 
 
+Skills = Page[SkillInfo]
+"""The available skills."""
+
+
 class PanelRequest(Request):
     """Arguments with which a module would be run."""
 
@@ -384,7 +396,7 @@ class ModuleRunInfo(Answer):
     """Its changes of the world: the last 100."""
 
 
-ModuleRuns = Items[ModuleRunInfo]
+ModuleRuns = Page[ModuleRunInfo]
 """Runs, newest first."""
 
 
@@ -424,10 +436,12 @@ class PluginInfo(Answer):
     """Its faults."""
 
 
-class Plugins(Answer):
-    """The installed plug-ins."""
+PluginFaults = Page[PluginFaultInfo]
+"""Faults of plug-ins."""
 
-    items: list[PluginInfo]
-    """All entry points, by group and name."""
+
+class Plugins(Page[PluginInfo]):
+    """All installed entry points, by group and name."""
+
     others: list[PluginFaultInfo]
     """Faults that belong to no entry point."""

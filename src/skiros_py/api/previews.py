@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from skiros_py.api.jobs import PlannedStep
-from skiros_py.api.wire import Answer, Items, Moment
+from skiros_py.api.wire import Answer, Moment, Page
 
 
 class PreviewState(enum.StrEnum):
@@ -83,7 +83,7 @@ class Preview(Answer):
     """Faults of planners that were tried before."""
 
 
-PreviewPage = Items[Preview]
+PreviewPage = Page[Preview]
 """The stored previews, newest first."""
 
 

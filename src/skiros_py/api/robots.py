@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from skiros_py.api.modules import Arguments
 from skiros_py.api.view import DeviceState, PoseInfo
-from skiros_py.api.wire import Answer, Name, Request
+from skiros_py.api.wire import Answer, Name, Page, Request
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -105,6 +105,10 @@ class DeviceInfo(Answer):
     """Modules that learn something from its current state."""
 
 
+Devices = Page[DeviceInfo]
+"""The devices of the cell."""
+
+
 class RobotInfo(Answer):
     """A robot and its devices."""
 
@@ -124,6 +128,10 @@ class RobotInfo(Answer):
     """Its devices, of any kind."""
     agents: tuple[str, ...] = Field(examples=[["arm_1", "base_1"]])
     """Subsystems that have skill managers."""
+
+
+Robots = Page[RobotInfo]
+"""The robots of the cell."""
 
 
 class RobotReading(Answer):
@@ -171,6 +179,10 @@ class CellSignal(SignalInfo):
     """Its device or signal provider."""
     input: bool = Field(examples=[False])
     """Whether it can be set from outside."""
+
+
+CellSignals = Page[CellSignal]
+"""The signals of the cell."""
 
 
 class SignalReading(Answer):

@@ -94,8 +94,8 @@ class SaveScene(Request):
     """Up to 64 lower-case letters, digits, '_' and '-'."""
 
 
-class SceneDifference(Answer):
-    """Edits that turn another scene into the current one."""
+class SceneDifference(Page[dict[str, Any]]):
+    """Edits that turn another scene into the current one, as in the world's history."""
 
     name: str = Field(examples=["kitting"])
     """The other scene."""
@@ -103,12 +103,8 @@ class SceneDifference(Answer):
     """Version of the compared world."""
     total: int = Field(examples=[2])
     """Total number of edits, on all pages."""
-    edits: list[dict[str, Any]]
-    """The edits, as in the world's history."""
     lines: list[str] = Field(examples=[["~ starter_1 sk:in pallet_a -> sk:in kit_1_a"]])
     """The edits as text: added (+), removed (-), changed (~)."""
-    next: str | None = None
-    """Cursor of the next page; null at the end."""
 
 
 _FAR = 1000.0
@@ -163,13 +159,11 @@ class SimulatedBody(Answer):
     """Whether the world model has an element of that id."""
 
 
-class Bodies(Answer):
-    """All bodies of the simulation."""
+class Bodies(Page[SimulatedBody]):
+    """All bodies of the simulation, by id."""
 
     time: float = Field(examples=[12.5])
     """Simulated time [s]."""
-    items: list[SimulatedBody]
-    """The bodies, by id."""
 
 
 class BodyPose(Request):

@@ -47,6 +47,10 @@ class ApiKey(Answer):
     """Whether requests with it are accepted."""
 
 
+ApiKeys = Page[ApiKey]
+"""All keys."""
+
+
 class NewKey(Answer):
     """A new key."""
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import ConfigDict, Field, StrictBool, StrictInt, model_validator
 
 from skiros_py.api.jobs import JobPolicy, PlannedStep
-from skiros_py.api.wire import Answer, Items, Moment, Name, Request
+from skiros_py.api.wire import Answer, Moment, Name, Page, Request
 
 _MOST_STEPS = 100
 GoalText = Annotated[str, Field(min_length=1, max_length=10_000)]
@@ -136,14 +136,12 @@ class TaskInfo(Answer):
     """Its outcome; null until it is over."""
 
 
-Tasks = Items[TaskInfo]
+Tasks = Page[TaskInfo]
 """Tasks, newest first."""
 
 
-class TaskTrace(Answer):
-    """Trace of a task."""
+class TaskTrace(Page[dict[str, Any]]):
+    """Trace of a task, oldest entry first; each with time [s], what, text, step, skill, data."""
 
-    entries: tuple[dict[str, Any], ...]
-    """Oldest first: time [s], what, text, step, skill, data."""
     forgotten: int = Field(examples=[0])
     """Number of earlier entries that are no longer stored."""

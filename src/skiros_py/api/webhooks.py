@@ -79,6 +79,10 @@ class Webhook(Answer):
     """Number of dead letters."""
 
 
+Webhooks = Page[Webhook]
+"""The webhooks."""
+
+
 class WebhookSecret(Answer):
     """A new webhook with the key of its signatures, which is returned only once."""
 

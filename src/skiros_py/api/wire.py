@@ -80,17 +80,14 @@ class Answer(_Documented):
 T = TypeVar("T")
 
 
-class Items(Answer, Generic[T]):
-    """A list."""
+class Page(Answer, Generic[T]):
+    """A list, or a part of it: the form of every list."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=True)
 
     items: Sequence[T]
     """The entries."""
-
-
-class Page(Items[T], Generic[T]):
-    """A part of a list."""
-
-    next: str | None
+    next: str | None = None
     """Cursor of the next page; null at the end."""
 
 

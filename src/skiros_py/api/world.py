@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, StrictBool, StrictInt, model_validator
 
-from skiros_py.api.wire import Answer, Items, Page, Request
+from skiros_py.api.wire import Answer, Page, Request
 
 EVERYTHING = "sk:Element"
 """The class of all elements."""
@@ -312,13 +312,9 @@ class Change(Answer):
     """If edits are missing: the cursor for reading on at /world/changes/{number}."""
 
 
-class ChangePage(Answer):
+class ChangePage(Page[Change]):
     """Some changes."""
 
-    items: list[Change]
-    """The changes."""
-    next: str | None
-    """Cursor of the next page; null at the end."""
     remembered_from: int
     """Number of the oldest stored change."""
     version: int
@@ -413,7 +409,7 @@ class Lock(Answer):
     """Remaining time [s]."""
 
 
-LockList = Items[Lock]
+LockList = Page[Lock]
 """The locks, by element."""
 
 

@@ -44,7 +44,7 @@ def manager() -> None:
 def list_managers(client: Client) -> Found:
     """Lists the open skill managers, with their skills and running modules."""
     managers = client.modules.managers()
-    return managers, map(_line, managers)
+    return managers, map(_line, managers.items)
 
 
 def _line(manager: ManagerInfo) -> str:
@@ -79,7 +79,7 @@ def device() -> None:
 def list_devices(client: Client) -> Found:
     """Lists the devices, with the robot that each belongs to, and whether it is open."""
     devices = client.devices.list()
-    return devices, (f"{d.id:12} {d.kind:12} {d.robot or '-':12} {'open' if d.open else 'closed'}" for d in devices)
+    return devices, (f"{d.id:12} {d.kind:12} {d.robot or '-':12} {'open' if d.open else 'closed'}" for d in devices.items)
 
 
 @served("device open gripper_1 --data cell", device)
@@ -147,7 +147,7 @@ def list_signals(client: Client) -> Found:
     signals = client.signals.list()
     return signals, (
         f"{s.name:24} {s.unit or '-':8} {s.dimension or '-':16} {'input' if s.input else s.source:20} {s.help}"
-        for s in signals
+        for s in signals.items
     )
 
 

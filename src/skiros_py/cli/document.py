@@ -32,7 +32,7 @@ def command() -> None:
 def list_(client: Client, kind: str) -> Found:
     """Lists the documents of a KIND ("tree")."""
     found = client.documents.list(kind)
-    return found, map(_line, found.documents)
+    return found, map(_line, found.items)
 
 
 @served("document show tree tidy_up --data cell", command)
@@ -42,7 +42,7 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
     """Shows the latest revision of a document, or lists its revisions."""
     if revisions:
         found = client.documents.revisions(kind, id_)
-        return found, map(_line, found.documents)
+        return found, map(_line, found.items)
     document = client.documents.get(kind, id_)
     return document, [json.dumps(document.data, indent=2, ensure_ascii=False), *_problems(document)]
 
@@ -53,11 +53,11 @@ def show(client: Client, kind: str, id_: str, revisions: bool) -> Found:
 @click.option("--format", "format_", metavar="NAME", help="One of the formats of KIND.  [default: the first one]")
 def import_(client: Client, kind: str, id_: str, file: Path, format_: str | None) -> Found:
     """Writes a document or a new revision of it from a FILE; its next run uses it."""
-    formats = {one.kind: one.formats for one in client.documents.kinds().kinds}.get(kind, {"json": "application/json"})
+    formats = {one.kind: one.formats for one in client.documents.kinds().items}.get(kind, {"json": "application/json"})
     if format_ is not None and format_ not in formats:
         raise UnknownName("format", format_, formats, where=f"of {kind} documents")
     media_type = next(iter(formats.values())) if format_ is None else formats[format_]
-    known = {document.id: document.revision for document in client.documents.list(kind).documents}
+    known = {document.id: document.revision for document in client.documents.list(kind).items}
     document = client.documents.import_text(kind, id_, read_text(file), media_type, seen=known.get(id_))
     return document, [_line(document), *_problems(document)]
 

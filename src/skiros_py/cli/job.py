@@ -72,8 +72,8 @@ def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator
 @click.option("--limit", type=click.IntRange(1, 1000), default=100, show_default=True, help="How many at most.")
 def list_jobs(jobs: Jobs, states: tuple[str, ...], limit: int) -> Found:
     """Lists jobs in the order in which they were ordered."""
-    found = jobs.list(states=states, limit=limit).items
-    return {"jobs": found}, job_table(found)
+    found = jobs.list(states=states, limit=limit)
+    return found, job_table(found.items)
 
 
 @served("job show kit-17 --data cell", command, _jobs)
@@ -97,11 +97,11 @@ def plan(jobs: Jobs, job: str) -> Found:
 def trace(jobs: Jobs, job: str) -> Found:
     """Shows the trace of JOB, oldest entry first."""
     page = jobs.trace(job, limit=_PAGE)
-    entries = page.entries
+    entries = list(page.items)
     while page.next is not None:
         page = jobs.trace(job, limit=_PAGE, cursor=page.next)
-        entries += page.entries
-    return {"entries": entries}, trace_lines(entries)
+        entries += page.items
+    return page.model_copy(update={"items": entries}), trace_lines(entries)
 
 
 @served("job response kit-17 --data cell --json", command)

@@ -59,7 +59,7 @@ class JobFiles:
 
     def trace(self, job: str, *, limit: int, cursor: str | None = None) -> JobTrace:  # noqa: ARG002 - as of a server
         """Returns the trace of a job, on one page."""
-        return JobTrace(entries=self._store.trace(self._job(job).id), next=None)
+        return JobTrace(items=self._store.trace(self._job(job).id))
 
     def _job(self, job: str) -> Known:
         known = self._store.job(job)

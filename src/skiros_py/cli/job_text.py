@@ -75,9 +75,9 @@ def _times(job: Job) -> Iterator[str]:
 
 def plan_lines(plan: JobPlan) -> Iterator[str]:
     """Yields the steps of a plan, numbered."""
-    if not plan.steps:
+    if not plan.items:
         yield "there is no plan (yet)"
-    for number, step in enumerate(plan.steps, start=1):
+    for number, step in enumerate(plan.items, start=1):
         yield f"{number:3}. {step.text}"
 
 

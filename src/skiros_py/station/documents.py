@@ -83,7 +83,7 @@ class DocumentService(Service):
     def kinds(self) -> api.DocumentKinds:
         """Lists the kinds of documents, each with its formats and the nodes that an editor offers."""
         return api.DocumentKinds(
-            kinds=tuple(
+            items=tuple(
                 api.DocumentKindInfo(
                     kind=name,
                     help=(kind.__doc__ or "").strip().partition("\n")[0],
@@ -117,7 +117,7 @@ class DocumentService(Service):
             NotFound: There is no such kind.
         """
         self._known(kind)
-        return api.Documents(documents=tuple(map(_info, self._store.all(kind))))
+        return api.Documents(items=tuple(map(_info, self._store.all(kind))))
 
     def get(self, kind: str, id_: str) -> api.DocumentInfo:
         """Returns a document, and what would not work now.
@@ -135,7 +135,7 @@ class DocumentService(Service):
             NotFound: There is no such kind.
         """
         self._known(kind)
-        return api.Documents(documents=tuple(map(_info, self._store.revisions(kind, id_))))
+        return api.Documents(items=tuple(map(_info, self._store.revisions(kind, id_))))
 
     def export(self, kind: str, id_: str, format_: str | None = None) -> DocumentText:
         """Returns a document as text.

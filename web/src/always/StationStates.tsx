@@ -31,7 +31,10 @@ export function StationClock() {
 /** Which robots move. */
 export function RobotsState() {
   const { t } = useTranslation("always");
-  const { data: robots } = useQuery({ queryKey: keys.robots(), queryFn: () => answer(api.GET("/api/v1/robots")) });
+  const { data: robots } = useQuery({
+    queryKey: keys.robots(),
+    queryFn: async () => (await answer(api.GET("/api/v1/robots"))).items,
+  });
   const known = useStation(({ state }) => state !== null);
   const current = useConnection(({ status, silent }) => status === "open" && silent === null);
   const moving = useStation(({ state }) => movingRobots(state, robots ?? []));

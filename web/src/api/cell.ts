@@ -17,7 +17,7 @@ export function useRobots() {
   return useQuery({
     queryKey: keys.robots("all"),
     // Tuples lose their length there.
-    queryFn: async () => ((await answer(api.GET("/api/v1/robots"))) as RobotInfo[]).sort(byId),
+    queryFn: async () => ((await answer(api.GET("/api/v1/robots"))).items as RobotInfo[]).sort(byId),
   });
 }
 
@@ -25,12 +25,15 @@ export function useRobots() {
 export function useDevices(interval: number | false = false) {
   return useQuery({
     queryKey: keys.robots("devices"),
-    queryFn: async () => ((await answer(api.GET("/api/v1/devices"))) as Device[]).sort(byId),
+    queryFn: async () => ((await answer(api.GET("/api/v1/devices"))).items as Device[]).sort(byId),
     refetchInterval: interval,
   });
 }
 
 export function useSkills(): Skills {
-  const { data } = useQuery({ queryKey: keys.modules("skills"), queryFn: () => answer(api.GET("/api/v1/skills")) });
+  const { data } = useQuery({
+    queryKey: keys.modules("skills"),
+    queryFn: async () => (await answer(api.GET("/api/v1/skills"))).items,
+  });
   return useMemo(() => new Map(data?.map((skill) => [skill.name, skill])), [data]);
 }

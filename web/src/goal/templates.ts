@@ -31,7 +31,7 @@ export function useTemplates(): readonly Template[] {
   const { data } = useQuery({
     queryKey: TEMPLATES,
     queryFn: () => answer(api.GET("/api/v1/documents/{kind}", { params: { path: { kind: KIND } } })),
-    select: ({ documents }) => documents.map(templateOf),
+    select: ({ items }) => items.map(templateOf),
   });
   return data ?? NONE;
 }

@@ -17,7 +17,7 @@ export function useWords() {
   const { data, refetch, isFetching } = useQuery({
     queryKey: KEY,
     queryFn: () => answer(api.GET("/api/v1/goals/conditions")),
-    select: ({ conditions }) => conditions,
+    select: ({ items }) => items,
   });
   return { words: data ?? NONE, refetch, isFetching, known: data !== undefined };
 }

@@ -214,7 +214,7 @@ function Transitions({ job }: { job: Schema<"Job"> }) {
   return (
     <Table verticalSpacing={2}>
       <Table.Tbody>
-        {data?.transitions.map(({ at, state, comment, trigger }) => (
+        {data?.items.map(({ at, state, comment, trigger }) => (
           <Table.Tr key={`${at} ${trigger}`}>
             <Table.Td>
               <Moment at={at} />

@@ -104,7 +104,7 @@ function Form({ job, title: proposed, close, made }: Props & { close: () => void
 }
 
 async function planOf(job: string): Promise<readonly WantedStep[]> {
-  return (await answer(api.GET("/api/v1/jobs/{id}/plan", { params: { path: { id: job } } }))).steps;
+  return (await answer(api.GET("/api/v1/jobs/{id}/plan", { params: { path: { id: job } } }))).items;
 }
 
 /** The steps of a plan for the goals, one per line; empty without goals. */

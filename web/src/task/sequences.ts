@@ -51,7 +51,7 @@ export function useSequences() {
   return useQuery({
     queryKey: keys.documents(KIND),
     queryFn: () => answer(api.GET("/api/v1/documents/{kind}", { params: { path: { kind: KIND } } })),
-    select: ({ documents }) => documents.map(sequenceOf),
+    select: ({ items }) => items.map(sequenceOf),
   });
 }
 

@@ -78,7 +78,7 @@ async function entriesOfJob(id: string): Promise<TraceEntry[]> {
     const page: Schema<"JobTrace"> = await answer(
       api.GET("/api/v1/jobs/{id}/trace", { params: { path: { id }, query } }),
     );
-    entries.push(...page.entries.map(readEntry));
+    entries.push(...page.items.map(readEntry));
     cursor = page.next ?? undefined;
   }
   return entries;
@@ -88,7 +88,7 @@ async function entriesOfJob(id: string): Promise<TraceEntry[]> {
 async function entriesOfTask(name: string): Promise<TraceEntry[]> {
   try {
     const trace = await answer(api.GET("/api/v1/tasks/{name}/trace", { params: { path: { name } } }));
-    return trace.entries.map(readEntry);
+    return trace.items.map(readEntry);
   } catch (error) {
     if (error instanceof ApiProblem && error.status === 404) return [];
     throw error;

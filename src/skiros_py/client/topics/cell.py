@@ -66,7 +66,7 @@ class Robots(Topic[C]):
     """Robots: models and state."""
 
     @operation("GET /robots")
-    def list(self) -> Sequence[robots.RobotInfo]:
+    def list(self) -> robots.Robots:
         """Lists the robots with their components."""
 
     @operation("GET /robots/{robot}")
@@ -95,7 +95,7 @@ class Devices(Topic[C]):
     """Devices of any kind: readings, planned motions, observations, opening and closing, jogging and teaching."""
 
     @operation("GET /devices")
-    def list(self) -> Sequence[robots.DeviceInfo]:
+    def list(self) -> robots.Devices:
         """Lists the devices with their values."""
 
     @operation("GET /devices/{device}")
@@ -145,7 +145,7 @@ class Signals(Topic[C]):
     """Signals of the cell: reading and setting."""
 
     @operation("GET /signals")
-    def list(self) -> Sequence[robots.CellSignal]:
+    def list(self) -> robots.CellSignals:
         """Lists the signals: of devices, computed ones, and inputs."""
 
     @operation("GET /signals/values", names="name")
@@ -161,7 +161,7 @@ class Modules(Topic[C]):
     """Skills and primitives, run individually, and their managers."""
 
     @operation("GET /managers")
-    def managers(self) -> Sequence[modules.ManagerInfo]:
+    def managers(self) -> modules.Managers:
         """Lists the skill managers, with their skills and current runs."""
 
     @operation("PUT /managers/{agent}", once=True)
@@ -173,7 +173,7 @@ class Modules(Topic[C]):
         """Closes the skill manager of a subsystem: its skills leave the world model."""
 
     @operation("GET /modules")
-    def list(self) -> Sequence[modules.ModuleSummary]:
+    def list(self) -> modules.Modules:
         """Lists every skill and primitive with the agents that can run it."""
 
     @operation("GET /modules/{agent}/{module}")
@@ -219,7 +219,7 @@ class Modules(Topic[C]):
         return Call("POST", path, modules.ModuleRunInfo, repeatable=command != "step")
 
     @operation("GET /skills")
-    def skills(self) -> Sequence[modules.SkillInfo]:
+    def skills(self) -> modules.Skills:
         """Lists the currently available skills."""
 
     @operation("GET /skills/{name}")
@@ -235,7 +235,7 @@ class Plugins(Topic[C]):
         """Lists all entry points installed on the server."""
 
     @operation("GET /plugins/faults")
-    def faults(self) -> Sequence[modules.PluginFaultInfo]:
+    def faults(self) -> modules.PluginFaults:
         """Lists plug-ins that fail to load or do not fit the current scene."""
 
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from skiros_py.api import webhooks
 from skiros_py.api.events import EventKind, EventPage
-from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Me, NewKey
+from skiros_py.api.server import ApiKey, ApiKeys, AuditPage, KeyOrder, Me, NewKey
 from skiros_py.api.view import StationState
-from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
 from skiros_py.client.operation import C, Topic, operation
 
 
@@ -51,7 +51,7 @@ class Keys(Topic[C]):
     """API keys."""
 
     @operation("GET /keys")
-    def list(self) -> Sequence[ApiKey]:
+    def list(self) -> ApiKeys:
         """Lists the keys, revoked ones too."""
 
     @operation("POST /keys", once=True)
@@ -87,19 +87,19 @@ class Webhooks(Topic[C]):
     """Job notifications to other systems."""
 
     @operation("GET /webhooks")
-    def list(self) -> Sequence[Webhook]:
+    def list(self) -> webhooks.Webhooks:
         """Lists the webhooks."""
 
     @operation("POST /webhooks", once=True)
-    def create(self, order: WebhookOrder) -> WebhookSecret:
+    def create(self, order: webhooks.WebhookOrder) -> webhooks.WebhookSecret:
         """Creates a webhook; its signing key is shown only this once."""
 
     @operation("GET /webhooks/{webhook}")
-    def get(self, webhook: str) -> Webhook:
+    def get(self, webhook: str) -> webhooks.Webhook:
         """Returns one webhook."""
 
     @operation("PATCH /webhooks/{webhook}")
-    def change(self, webhook: str, change: WebhookChange) -> Webhook:
+    def change(self, webhook: str, change: webhooks.WebhookChange) -> webhooks.Webhook:
         """Changes a webhook's subscriptions, or disables it."""
 
     @operation("DELETE /webhooks/{webhook}")
@@ -112,12 +112,12 @@ class Webhooks(Topic[C]):
 
     @operation("GET /webhooks/{webhook}/deliveries")
     def deliveries(
-        self, webhook: str, *, state: DeliveryState | None = None, limit: int = 100, cursor: str | None = None
-    ) -> Deliveries:
+        self, webhook: str, *, state: webhooks.DeliveryState | None = None, limit: int = 100, cursor: str | None = None
+    ) -> webhooks.Deliveries:
         """Lists the messages of a webhook, newest first."""
 
     @operation("GET /webhooks/dead-letters")
-    def dead_letters(self, *, limit: int = 100, cursor: str | None = None) -> Deliveries:
+    def dead_letters(self, *, limit: int = 100, cursor: str | None = None) -> webhooks.Deliveries:
         """Lists the undeliverable messages."""
 
     @operation("POST /webhooks/{webhook}/deliveries/{number}/redeliver")

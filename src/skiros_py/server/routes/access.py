@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 from fastapi import Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from skiros_py.api.server import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
+from skiros_py.api.server import ApiKey, ApiKeys, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
@@ -55,12 +55,12 @@ KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", example
 
 
 @keys_router.get("")
-def list_keys(act: Admin) -> list[ApiKey]:
+def list_keys(act: Admin) -> ApiKeys:
     """List keys.
 
     Lists all keys, including revoked and expired ones; their secrets are not stored.
     """
-    return [shown(key) for key in act.services.keys.all()]
+    return ApiKeys(items=[shown(key) for key in act.services.keys.all()])
 
 
 @keys_router.post("", status_code=201)

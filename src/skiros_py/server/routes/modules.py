@@ -18,12 +18,12 @@ Command = Literal["pause", "resume", "step", "stop"]
 
 
 @router.get("/managers")
-def list_managers(act: Viewer) -> list[api.ManagerInfo]:
+def list_managers(act: Viewer) -> api.Managers:
     """List the skill managers.
 
     Lists the subsystems that can execute modules, what each is executing, and why it is lost, if it is.
     """
-    return act.station.modules.managers()
+    return api.Managers(items=act.station.modules.managers())
 
 
 @router.put("/managers/{agent}")
@@ -54,12 +54,12 @@ def close_manager(
 
 
 @router.get("/modules")
-def list_modules(act: Viewer) -> list[api.ModuleSummary]:
+def list_modules(act: Viewer) -> api.Modules:
     """List all modules.
 
     Lists every skill and primitive once, with the subsystems that can run it.
     """
-    return act.station.modules.all()
+    return api.Modules(items=act.station.modules.all())
 
 
 @router.get("/modules/{agent}/{module}")
@@ -155,12 +155,12 @@ def command_module_run(act: Engineer, run: RunId, command: Command) -> api.Modul
 
 
 @router.get("/skills")
-def list_skills(act: Viewer) -> list[api.SkillInfo]:
+def list_skills(act: Viewer) -> api.Skills:
     """List the skills.
 
     Lists the available skills as people and planners see them: parameters, conditions, effects.
     """
-    return act.station.modules.skills()
+    return api.Skills(items=act.station.modules.skills())
 
 
 @router.get("/skills/{name}")
@@ -185,9 +185,9 @@ def list_plugins(act: Engineer) -> api.Plugins:
 
 
 @plugins_router.get("/plugins/faults")
-def list_plugin_faults(act: Engineer) -> list[api.PluginFaultInfo]:
+def list_plugin_faults(act: Engineer) -> api.PluginFaults:
     """List broken plug-ins.
 
     Lists the plug-ins that do not load or do not fit the current scene, with the traceback for their authors.
     """
-    return act.station.plugins.faults()
+    return api.PluginFaults(items=act.station.plugins.faults())

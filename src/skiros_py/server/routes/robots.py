@@ -21,12 +21,12 @@ RobotId = Annotated[str, Path(alias="id", max_length=200)]
 
 
 @router.get("/robots")
-def list_robots(act: Viewer) -> list[api.RobotInfo]:
+def list_robots(act: Viewer) -> api.Robots:
     """List the robots.
 
     The devices of each robot, of any kind, with their joints and frames.
     """
-    return act.station.robots.all()
+    return api.Robots(items=act.station.robots.all())
 
 
 @router.get("/robots/{id}")
@@ -82,12 +82,12 @@ def get_robot_mesh(act: Viewer, robot: RobotId, name: _MeshName) -> Response:
 
 
 @router.get("/devices")
-def list_devices(act: Viewer) -> list[api.DeviceInfo]:
+def list_devices(act: Viewer) -> api.Devices:
     """List the devices.
 
     All devices of the cell, of robots and by themselves, with the values that each offers.
     """
-    return act.station.devices.all()
+    return api.Devices(items=act.station.devices.all())
 
 
 @router.get("/devices/{id}")
@@ -176,12 +176,12 @@ def teach_device(act: Engineer, device: DeviceId, request: api.ManualRun) -> Mod
 
 
 @router.get("/signals")
-def list_signals(act: Viewer) -> list[api.CellSignal]:
+def list_signals(act: Viewer) -> api.CellSignals:
     """List the signals.
 
     All signals of the cell: those of devices, computed ones, and inputs that can be set.
     """
-    return act.station.signals.all()
+    return api.CellSignals(items=act.station.signals.all())
 
 
 @router.get("/signals/values")

@@ -32,12 +32,12 @@ _UNKNOWN = "UnknownWebhook"
 
 
 @router.get("")
-def list_webhooks(act: Admin) -> list[api.Webhook]:
+def list_webhooks(act: Admin) -> api.Webhooks:
     """List webhooks.
 
     Lists the webhooks, with the number of pending deliveries.
     """
-    return [_shown(act.services, one) for one in act.services.webhooks.subscriptions]
+    return api.Webhooks(items=[_shown(act.services, one) for one in act.services.webhooks.subscriptions])
 
 
 @router.post("", status_code=201)

@@ -166,7 +166,7 @@ class GoalService(Service):
         session = self._station.session
         capabilities = self._station.control.call(lambda now: now.tasks.capabilities)
         words = condition_words(session.catalogue.conditions, capabilities, session.world.ontology)
-        return api.ConditionWords(conditions=tuple(word for word in words if every or word.skills))
+        return api.ConditionWords(items=tuple(word for word in words if every or word.skills))
 
 
 def goals_version(goals: tuple[str, ...]) -> int:

@@ -309,14 +309,14 @@ class JobService(Service):
         job = session.jobs.job(id_)
         running = next((task for task in session.tasks.active if task.name == id_), None)
         if running is not None and running.plan is not None:  # newer than the stored plan
-            return api.JobPlan(steps=views.planned_steps(running.plan))
+            return api.JobPlan(items=views.planned_steps(running.plan))
         return views.plan_of(job, session.jobs.trace(id_))
 
     def trace(self, id_: str, skip: int = 0, limit: int = 100) -> api.JobTrace:
         """Returns the trace of a job, in sentences and as data."""
         entries = self._jobs.trace(id_, skip=skip, limit=limit + 1)
         return api.JobTrace(
-            entries=tuple(dict(entry) for entry in entries[:limit]),
+            items=tuple(dict(entry) for entry in entries[:limit]),
             next=str(skip + limit) if len(entries) > limit else None,
         )
 
@@ -326,7 +326,7 @@ class JobService(Service):
 
     def transitions(self, id_: str) -> api.JobTransitions:
         """Returns the transitions of a job with time, author and reason."""
-        return api.JobTransitions(transitions=views.transitions_view(self._jobs.transitions(id_)))
+        return api.JobTransitions(items=views.transitions_view(self._jobs.transitions(id_)))
 
     def explanation(self, id_: str) -> api.JobExplanation:
         """Returns why there is no plan for a job, and the possible repairs."""

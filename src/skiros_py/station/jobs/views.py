@@ -140,9 +140,9 @@ def plan_of(job: Job, trace: Trace) -> api.JobPlan:
     """Returns the last plan of a job from its trace; if the trace contains none, the plan stored with the job."""
     entry = _last(trace, TraceEventKind.PLANNED)
     if entry is not None:
-        return api.JobPlan(steps=_steps(entry["data"]))
+        return api.JobPlan(items=_steps(entry["data"]))
     bare = {"steps": job.plan, "after": [[index - 1] if index else [] for index in range(len(job.plan))]}
-    return api.JobPlan(steps=_steps(bare))
+    return api.JobPlan(items=_steps(bare))
 
 
 def report_of(job: Job, trace: Trace, now: float) -> api.JobReport:

@@ -190,7 +190,7 @@ class SceneService(Service):
             name=name,
             version=version,
             total=len(edits),
-            edits=[edit.as_json() for edit in page],
+            items=[edit.as_json() for edit in page],
             lines=list(describe(page)),
             next=str(begin + limit) if len(edits) > begin + limit else None,
         )

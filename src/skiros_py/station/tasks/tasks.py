@@ -88,7 +88,7 @@ class KeptTask:
         entries = tuple(self.entries)
         kept = entries[-limit:]
         forgotten = self.forgotten + len(entries) - len(kept)
-        return TaskTrace(entries=tuple(entry.as_json() for entry in kept), forgotten=forgotten)
+        return TaskTrace(items=tuple(entry.as_json() for entry in kept), forgotten=forgotten)
 
     def command(self, verb: str, by: str) -> None:
         """Pauses, resumes, steps or stops it; takes effect in the next cycle.

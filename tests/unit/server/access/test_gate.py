@@ -12,11 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import httpx2
 import pytest
 from fastapi import FastAPI, Request
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
+from starlette.responses import JSONResponse
 from starlette.testclient import TestClient
+from starlette.types import Receive, Scope, Send
 
 from skiros_py.errors import FileError
 from skiros_py.server.access import audit as audit_module
@@ -350,6 +353,24 @@ def _refusals(at: _Door, addresses: Iterable[str]) -> int:
         client = TestClient(at.client.app, base_url="http://127.0.0.1:8000", client=(address, 1))
         client.get("/caller", headers={"X-API-Key": "wrong"})
     return len(at.guarded.audit.page(limit=1000))
+
+
+def test_a_stop_begins_before_other_requests_that_came_in_the_same_moment(door: _Doors) -> None:
+    at, begun = door(), list[str]()
+
+    async def app(scope: Scope, receive: Receive, send: Send) -> None:
+        begun.append(scope["path"])
+        await JSONResponse({})(scope, receive, send)
+
+    async def ask() -> None:
+        transport = httpx2.ASGITransport(Gate(app, at.guarded))
+        async with httpx2.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000") as client:
+            others = [client.get("/caller") for _ in range(50)] + [client.post("/things", json={}) for _ in range(50)]
+            await asyncio.gather(*others, client.post("/api/v1/stop"))
+
+    asyncio.run(ask())
+    assert len(begun) == 101
+    assert begun.index("/api/v1/stop") == 0
 
 
 def test_refused_requests_cannot_fill_the_audit_log(door: _Doors) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import Busy, KeyReused, Removed, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.errors import Busy, FileError, KeyReused, Removed, StaleVersion, UnknownName, UsageError, WrongState
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState, Outcome
 from skiros_py.tasks.jobs.manager import JobManager, Submission
 from skiros_py.tasks.jobs.store import JobStore, Receipt
@@ -201,6 +202,17 @@ def test_orders_accepted_together_are_one_transaction_and_each_is_refused_for_it
     assert isinstance(other, WrongState)
     assert (same, again) == (first, third)
     assert list(jobs.open.values())[1:] == [first, third]
+
+
+def test_a_stored_job_that_cannot_be_read_refuses_only_the_orders_with_its_id(jobs, bench, tmp_path):
+    done(jobs, bench)
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as connection, connection:
+        connection.execute("UPDATE jobs SET data = '{' WHERE id = 'a'")
+
+    first, unreadable, last = jobs.submit_all([Submission(order(id_)) for id_ in ("b", "a", "c")])
+
+    assert isinstance(unreadable, FileError)
+    assert (list(jobs.open), jobs.open["b"], jobs.open["c"]) == (["b", "c"], first, last)
 
 
 # ---------------------------------------------------------------------- updates and versions

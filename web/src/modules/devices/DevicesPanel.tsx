@@ -25,7 +25,7 @@ export function DevicesPanel({ show }: { show: Show }) {
   const { data: devices } = useDevices(5000);
   const { data: signals = [] } = useQuery({
     queryKey: keys.robots("signals"),
-    queryFn: () => answer(api.GET("/api/v1/signals")),
+    queryFn: async () => (await answer(api.GET("/api/v1/signals"))).items,
   });
   const traces = useTraces(signals);
   const ids = new Set(devices?.map(({ id }) => id));
