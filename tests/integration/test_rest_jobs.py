@@ -3,21 +3,24 @@
 import json
 import threading
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from urllib.parse import quote
 
 import httpx2
 import pytest
-from support.crowd import connect
+from support.crowd import connect, crowd
 from support.serving import Served, serving
 
 from skiros_py.api.jobs import JobOrder, JobResponse
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Jobs
-from skiros_py.errors import Overloaded, UsageError
+from skiros_py.errors import UsageError
+from skiros_py.station.jobs.intake import MOST_WAITING
 from skiros_py.tasks.jobs.job import JobOrder as Order
 from skiros_py.tasks.jobs.job import Outcome
 from skiros_py.world.element import Placement
+
+from .hard import until
 
 HOLDS = {"goal": "EmptyHanded(gripper_1)"}
 """Nothing has to be done for it."""
@@ -405,24 +408,34 @@ def test_ordered_materials_are_returned_unchanged(api):
         problem(api.put("/jobs/odd", json=HOLDS | {"materials": [{"class": "Starter", "quantity": quantity}]}), 422)
 
 
-def test_an_order_is_refused_before_its_body_arrives_while_too_many_wait_to_be_stored(served):
-    intake, hold, answers = served.services.station.jobs._intake, threading.Event(), []
-    with connect(served.url) as one:
-        try:
-            with pytest.raises(Overloaded):
-                answers.extend(intake.ask(lambda: hold.wait(30.0), lambda _job: None) for _ in range(1000))
-            one.sendall(b"PUT /api/v1/jobs/full HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n")
-            refused = one.recv(1 << 16)
-        finally:
-            hold.set()
-        assert not wait(answers, 30.0).not_done
+def test_an_order_is_refused_before_its_body_arrives_while_too_many_are_on_their_way(served, api):
+    header = b"PUT /api/v1/jobs/full HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n"
+    with crowd(served.url, MOST_WAITING, header) as others, connect(served.url) as one:
+        assert api.get("/jobs", params={"limit": 1}).status_code == 200  # those before have begun
+        one.sendall(header)
+        refused = one.recv(1 << 16)
+        for other in others:
+            other.sendall(b"not JSON.")
+            assert other.recv(1 << 16).startswith(b"HTTP/1.1 415")
         one.sendall(b"not JSON.GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
         assert one.recv(1 << 16).startswith(b"HTTP/1.1 200")  # the connection can be used again
 
-    header, _, body = refused.partition(b"\r\n\r\n")
-    assert header.startswith(b"HTTP/1.1 429")
-    assert b"retry-after: 1" in header.lower()
+    text, _, body = refused.partition(b"\r\n\r\n")
+    assert text.startswith(b"HTTP/1.1 429")
+    assert b"retry-after: 1" in text.lower()
     assert json.loads(body)["code"] == "UnableToAcceptJobOrder"
+    assert api.put("/jobs/full", json=HOLDS).status_code == 202
+
+
+def test_orders_whose_clients_wait_for_the_end_are_no_longer_on_their_way(served, api):
+    header = b"PUT /api/v1/jobs/later HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n"
+    with ThreadPoolExecutor(1) as pool:
+        waiting = pool.submit(api.put, "/jobs/slow", json=HOLDS | LATER, headers={"Prefer": "wait=3"})
+        until(lambda: api.get("/jobs/slow").status_code == 200)
+        with crowd(served.url, MOST_WAITING, header) as others:
+            others[-1].sendall(b"not JSON.")
+            assert others[-1].recv(1 << 16).startswith(b"HTTP/1.1 415")
+            assert not waiting.done()
 
 
 def test_a_factory_system_can_list_what_it_may_order(api):

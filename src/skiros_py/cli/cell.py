@@ -79,7 +79,9 @@ def device() -> None:
 def list_devices(client: Client) -> Found:
     """Lists the devices, with the robot that each belongs to, and whether it is open."""
     devices = client.devices.list()
-    return devices, (f"{d.id:12} {d.kind:12} {d.robot or '-':12} {'open' if d.open else 'closed'}" for d in devices.items)
+    return devices, (
+        f"{d.id:12} {d.kind:12} {d.robot or '-':12} {'open' if d.open else 'closed'}" for d in devices.items
+    )
 
 
 @served("device open gripper_1 --data cell", device)

@@ -93,8 +93,7 @@ _JOB_TOPICS = ("jobs", "goals", "previews")
 """First part of the paths of routes for orders and jobs."""
 
 
-def fault_response(request: Request, error: Exception) -> Response:
-    """Returns the answer to a request that a fault of the platform has ended."""
+def _answer_fault(request: Request, error: Exception) -> Response:
     assert isinstance(error, errors.SkirosError)
     problem = _of(error, _JOB_KINDS if _is_about_jobs(request) else _KINDS)
     if problem.status == 500 or isinstance(error, errors.FileError):
@@ -196,7 +195,7 @@ def add_problem_handlers(app: FastAPI) -> None:
         return lambda request, error: problem_response(request, make(error))
 
     app.add_exception_handler(Problem, answering(lambda error: error))
-    app.add_exception_handler(errors.SkirosError, fault_response)
+    app.add_exception_handler(errors.SkirosError, _answer_fault)
     app.add_exception_handler(HTTPException, _answer_http)
     app.add_exception_handler(RequestValidationError, answering(_of_validation))
 

@@ -9,6 +9,7 @@ import re
 import secrets
 import time
 from collections.abc import Iterable
+from contextlib import ExitStack
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
@@ -18,15 +19,15 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from skiros_py.api.server import is_address
-from skiros_py.errors import SkirosError
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limiters import Rates, Slots, network_of
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
-from skiros_py.server.problems import Problem, fault_response, problem_response
+from skiros_py.server.problems import Problem, problem_response
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.jobs.intake import MOST_WAITING
 
 _DEEPEST = 64
 """Maximum nesting depth of lists and objects."""
@@ -307,6 +308,7 @@ class Gate:
         self._rates = Rates(services.settings.rate, 1.0)
         self._requests = Slots("requests", services.settings.requests, services.settings.requests)
         self._logins = Slots("logins", _LOGINS, _LOGINS_OF_ONE)
+        self._orders = Slots("orders", MOST_WAITING, MOST_WAITING, refusal=(429, "UnableToAcceptJobOrder"))
         self._turns = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -332,9 +334,6 @@ class Gate:
             await problem_response(request, problem)(scope, receive, answer)
         except Exception as error:
             if answer.revoked:
-                return
-            if isinstance(error, SkirosError) and not answer.status:
-                await fault_response(request, error)(scope, receive, answer)
                 return
             _log.exception("request %s broke: %s", request.state.id, error)
             if answer.status:  # the answer has begun: it can only be cut off
@@ -368,19 +367,24 @@ class Gate:
         if what in OPEN or what == _STOP:  # a stop is executed whatever its body is, and before the body has arrived
             await self._app(scope, receive, answer)
             return
-        await self._turn()
         self._check_rate(request.state.caller)
+        with ExitStack() as place:
+            if _ORDER.fullmatch(" ".join(what)):  # refused at once, before it waits for its turn and its body is read
+                place.enter_context(self._orders.take(""))
+                request.state.place = place
+            await self._turn()
+            await self._pass_on(request, headers, receive, answer)
+
+    async def _pass_on(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
         with self._requests.take(""):
             if request.method not in SAFE:
-                if _ORDER.fullmatch(" ".join(what)):  # refused before anything of it is read: others wait meanwhile
-                    self._services.station.jobs.require_place()
                 body = await read_body(headers, receive, self._services.settings.body, _PATIENCE)
                 receive = replayed(body, receive)
                 await self._turn()
-            await self._app(scope, receive, answer)
+            await self._app(request.scope, receive, answer)
 
     async def _turn(self) -> None:
-        """Waits until no earlier request begins: one begins in a round of the event loop, so that none delays a stop."""
+        """Waits for its turn: one request begins in a round of the event loop, so that many do not delay a stop."""
         async with self._turns:
             await asyncio.sleep(0)
 

@@ -73,13 +73,22 @@ class Slots:
         most: Maximum number in total.
         each: Maximum number of one caller.
         retry_after: When a refused caller may try again [s].
+        refusal: HTTP status and code of the problem with which callers are refused.
     """
 
-    def __init__(self, what: str, most: int, each: int, retry_after: float = 1.0) -> None:
+    def __init__(
+        self,
+        what: str,
+        most: int,
+        each: int,
+        retry_after: float = 1.0,
+        refusal: tuple[int, str] = (503, "Busy"),
+    ) -> None:
         self._what = what
         self._most = most
         self._each = each
         self._retry_after = retry_after
+        self._refusal = refusal
         self._taken: Counter[str] = Counter()
         self._guard = threading.Lock()
 
@@ -93,12 +102,12 @@ class Slots:
         """Takes a slot for the duration of the block.
 
         Raises:
-            Problem: All slots are taken, or too many of them by this caller (503).
+            Problem: All slots are taken, or too many of them by this caller.
         """
         with self._guard:
             if self.taken >= self._most or self._taken[who] >= self._each:
                 detail = f"too many {self._what} at a time: {self._most} in total, {self._each} of one caller"
-                raise Problem(503, "Busy", detail, headers={"Retry-After": f"{self._retry_after:.0f}"})
+                raise Problem(*self._refusal, detail, headers={"Retry-After": f"{self._retry_after:.0f}"})
             self._taken[who] += 1
         try:
             yield

@@ -157,6 +157,7 @@ async def _taken(act: Act, job: Job, prefer: str | None) -> AcceptedJob:
     wanted = _WAIT.search(prefer or "")
     if wanted is not None:
         seconds = min(int(wanted[1]), _LONGEST_WAIT)
+        act.request.state.place.close()  # it is stored: further orders need not wait for it
         job = await run_in_threadpool(act.station.jobs.wait, job.id, seconds)
         act.response.headers["Preference-Applied"] = f"wait={seconds}"
         act.response.status_code = 202 if is_open(job) else 200

@@ -15,7 +15,7 @@ from skiros_py.tasks.jobs.manager import JobManager, Submission
 
 T = TypeVar("T")
 
-_MOST = 100
+MOST_WAITING = 100
 """Maximum number of waiting orders: with more of them, an answer would take seconds."""
 _TOGETHER = 16
 """Maximum number stored in one transaction, for which the control cycle may have to wait."""
@@ -44,7 +44,7 @@ class OrderIntake(Generic[T]):
 
     def __init__(self, jobs: Callable[[], JobManager]) -> None:
         self._jobs = jobs
-        self._places = threading.BoundedSemaphore(_MOST)
+        self._places = threading.BoundedSemaphore(MOST_WAITING)
         self._requests: SimpleQueue[Request[T] | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._work, name="skiros-orders", daemon=True)
 
@@ -63,25 +63,13 @@ class OrderIntake(Generic[T]):
         Raises:
             Overloaded: Too many orders wait.
         """
-        self._take_place()
+        if not self._places.acquire(blocking=False):
+            raise Overloaded(f"{MOST_WAITING} orders wait to be stored: send them more slowly")
         answer: Future[T] = Future()
         answer.set_running_or_notify_cancel()  # who no longer waits cannot cancel it: the order is stored anyway
         answer.add_done_callback(lambda _: self._places.release())
         self._requests.put(Request(read, answer_of, answer))
         return answer
-
-    def require_place(self) -> None:
-        """Checks that a further order can be queued, before it is read.
-
-        Raises:
-            Overloaded: Too many orders wait.
-        """
-        self._take_place()
-        self._places.release()
-
-    def _take_place(self) -> None:
-        if not self._places.acquire(blocking=False):
-            raise Overloaded(f"{_MOST} orders wait to be stored: send them more slowly")
 
     def _work(self) -> None:
         for group in iter(self._next_group, None):

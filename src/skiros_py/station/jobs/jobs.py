@@ -160,14 +160,6 @@ class JobService(Service):
 
         return self._intake.ask(read, _new)
 
-    def require_place(self) -> None:
-        """Checks that the intake takes a further order.
-
-        Raises:
-            Overloaded: Too many orders wait.
-        """
-        self._intake.require_place()
-
     def start_intake(self) -> None:
         """Accepts orders from now on."""
         self._intake.start()

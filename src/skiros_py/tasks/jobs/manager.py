@@ -12,7 +12,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
 
-from skiros_py.errors import Busy, DiskFault, FileError, Removed, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.errors import (
+    Busy,
+    DiskFault,
+    FileError,
+    Removed,
+    SkirosError,
+    StaleVersion,
+    UnknownName,
+    UsageError,
+    WrongState,
+)
 from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, Outcome, Transition, Trigger, next_state
 from skiros_py.tasks.jobs.queue import Guard, JobBook

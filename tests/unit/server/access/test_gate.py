@@ -252,8 +252,8 @@ def test_a_caller_over_its_rate_limit_must_wait_but_may_still_stop_everything(do
 
     answers = [at.client.get("/caller", headers=operator) for _ in range(20)]
 
-    assert 429 in {answer.status_code for answer in answers}
-    assert answers[-1].headers["Retry-After"] == "1"
+    refused = next(answer for answer in answers if answer.status_code == 429)
+    assert refused.headers["Retry-After"] == "1"
     assert at.client.post("/api/v1/stop", headers=operator).status_code == 200
     assert at.client.get("/caller", headers=other).status_code == 200
 
