@@ -278,6 +278,12 @@ class Connection(HttpToolsProtocol):
         else:
             self.abort()
 
+    def on_message_complete(self) -> None:
+        """Waits for the next request, if this one was answered before it had arrived."""
+        super().on_message_complete()
+        if self.cycle.response_complete:
+            self.wait_for_client(self._settings.idle_seconds)
+
     def on_response_complete(self) -> None:
         """Waits for the next request, unless it has arrived."""
         super().on_response_complete()

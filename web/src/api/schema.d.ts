@@ -2183,8 +2183,9 @@ export interface components {
             pose: components["schemas"]["PoseInfo"];
         };
         Bodies: {
-            time: number;
             items: components["schemas"]["SimulatedBody"][];
+            next: string | null;
+            time: number;
         };
         BodyEdge: {
             source: string;
@@ -2320,9 +2321,6 @@ export interface components {
             abstract: boolean;
             skills: string[];
         };
-        ConditionWords: {
-            conditions: components["schemas"]["ConditionWord"][];
-        };
         ConstructAnswer: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -2436,15 +2434,9 @@ export interface components {
             };
             palette: components["schemas"]["PaletteNode"][];
         };
-        DocumentKinds: {
-            kinds: components["schemas"]["DocumentKindInfo"][];
-        };
         DocumentProblem: {
             place: string;
             text: string;
-        };
-        Documents: {
-            documents: components["schemas"]["DocumentInfo"][];
         };
         ElementDetails: {
             id: string;
@@ -2509,7 +2501,7 @@ export interface components {
         EventPage: {
             items: components["schemas"]["EventInfo"][];
             next: string;
-            reset?: components["schemas"]["ResetInfo"] | null;
+            reset: components["schemas"]["ResetInfo"] | null;
         };
         Exchange: {
             condition: string;
@@ -2576,18 +2568,6 @@ export interface components {
             when: components["schemas"]["SkillCondition"][];
             nodes: components["schemas"]["BodyNode"][];
             edges: components["schemas"]["BodyEdge"][];
-        };
-        Items_Lock_: {
-            items: components["schemas"]["Lock"][];
-        };
-        Items_ModuleRunInfo_: {
-            items: components["schemas"]["ModuleRunInfo"][];
-        };
-        Items_Preview_: {
-            items: components["schemas"]["Preview"][];
-        };
-        Items_TaskInfo_: {
-            items: components["schemas"]["TaskInfo"][];
         };
         Job: {
             id: string;
@@ -2668,9 +2648,6 @@ export interface components {
              */
             policy: components["schemas"]["JobPolicy"];
         };
-        JobPlan: {
-            steps: components["schemas"]["PlannedStep"][];
-        };
         JobPolicy: {
             /** @default true */
             rest: boolean;
@@ -2721,7 +2698,7 @@ export interface components {
             ended: string | null;
         };
         JobTrace: {
-            entries: {
+            items: {
                 [key: string]: unknown;
             }[];
             next: string | null;
@@ -2732,9 +2709,6 @@ export interface components {
             trigger: string;
             state: components["schemas"]["JobState"];
             comment: string;
-        };
-        JobTransitions: {
-            transitions: components["schemas"]["JobTransition"][];
         };
         JointDescription: {
             name: string;
@@ -3022,12 +2996,36 @@ export interface components {
             items: components["schemas"]["AlarmInfo"][];
             next: string | null;
         };
+        Page_ApiKey_: {
+            items: components["schemas"]["ApiKey"][];
+            next: string | null;
+        };
         Page_AuditRecord_: {
             items: components["schemas"]["AuditRecord"][];
             next: string | null;
         };
+        Page_CellSignal_: {
+            items: components["schemas"]["CellSignal"][];
+            next: string | null;
+        };
+        Page_ConditionWord_: {
+            items: components["schemas"]["ConditionWord"][];
+            next: string | null;
+        };
         Page_Delivery_: {
             items: components["schemas"]["Delivery"][];
+            next: string | null;
+        };
+        Page_DeviceInfo_: {
+            items: components["schemas"]["DeviceInfo"][];
+            next: string | null;
+        };
+        Page_DocumentInfo_: {
+            items: components["schemas"]["DocumentInfo"][];
+            next: string | null;
+        };
+        Page_DocumentKindInfo_: {
+            items: components["schemas"]["DocumentKindInfo"][];
             next: string | null;
         };
         Page_ElementSummary_: {
@@ -3038,12 +3036,44 @@ export interface components {
             items: components["schemas"]["JobResponse"][];
             next: string | null;
         };
+        Page_JobTransition_: {
+            items: components["schemas"]["JobTransition"][];
+            next: string | null;
+        };
         Page_Job_: {
             items: components["schemas"]["Job"][];
             next: string | null;
         };
         Page_Learned_: {
             items: components["schemas"]["Learned"][];
+            next: string | null;
+        };
+        Page_Lock_: {
+            items: components["schemas"]["Lock"][];
+            next: string | null;
+        };
+        Page_ManagerInfo_: {
+            items: components["schemas"]["ManagerInfo"][];
+            next: string | null;
+        };
+        Page_ModuleRunInfo_: {
+            items: components["schemas"]["ModuleRunInfo"][];
+            next: string | null;
+        };
+        Page_ModuleSummary_: {
+            items: components["schemas"]["ModuleSummary"][];
+            next: string | null;
+        };
+        Page_PlannedStep_: {
+            items: components["schemas"]["PlannedStep"][];
+            next: string | null;
+        };
+        Page_PluginFaultInfo_: {
+            items: components["schemas"]["PluginFaultInfo"][];
+            next: string | null;
+        };
+        Page_Preview_: {
+            items: components["schemas"]["Preview"][];
             next: string | null;
         };
         Page_PropertyInfo_: {
@@ -3058,8 +3088,24 @@ export interface components {
             items: components["schemas"]["Relation"][];
             next: string | null;
         };
+        Page_RobotInfo_: {
+            items: components["schemas"]["RobotInfo"][];
+            next: string | null;
+        };
         Page_SceneEntry_: {
             items: components["schemas"]["SceneEntry"][];
+            next: string | null;
+        };
+        Page_SkillInfo_: {
+            items: components["schemas"]["SkillInfo"][];
+            next: string | null;
+        };
+        Page_TaskInfo_: {
+            items: components["schemas"]["TaskInfo"][];
+            next: string | null;
+        };
+        Page_Webhook_: {
+            items: components["schemas"]["Webhook"][];
             next: string | null;
         };
         PaletteNode: {
@@ -3155,6 +3201,7 @@ export interface components {
         };
         Plugins: {
             items: components["schemas"]["PluginInfo"][];
+            next: string | null;
             others: components["schemas"]["PluginFaultInfo"][];
         };
         Pose: {
@@ -3386,14 +3433,14 @@ export interface components {
             goals: string[];
         };
         SceneDifference: {
+            items: {
+                [key: string]: unknown;
+            }[];
+            next: string | null;
             name: string;
             version: number;
             total: number;
-            edits: {
-                [key: string]: unknown;
-            }[];
             lines: string[];
-            next?: string | null;
         };
         SceneEntry: {
             name: string;
@@ -3600,9 +3647,10 @@ export interface components {
             text: string;
         };
         TaskTrace: {
-            entries: {
+            items: {
                 [key: string]: unknown;
             }[];
+            next: string | null;
             forgotten: number;
         };
         TemplateParameter: {
@@ -4329,7 +4377,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobPlan"];
+                    "application/json": components["schemas"]["Page_PlannedStep_"];
                 };
             };
             default: {
@@ -4419,7 +4467,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobTransitions"];
+                    "application/json": components["schemas"]["Page_JobTransition_"];
                 };
             };
             default: {
@@ -4693,7 +4741,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ConditionWords"];
+                    "application/json": components["schemas"]["Page_ConditionWord_"];
                 };
             };
             default: {
@@ -4720,7 +4768,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Preview_"];
+                    "application/json": components["schemas"]["Page_Preview_"];
                 };
             };
             default: {
@@ -5679,7 +5727,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -5710,7 +5758,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -5740,7 +5788,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -6220,7 +6268,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ManagerInfo"][];
+                    "application/json": components["schemas"]["Page_ManagerInfo_"];
                 };
             };
             default: {
@@ -6305,7 +6353,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ModuleSummary"][];
+                    "application/json": components["schemas"]["Page_ModuleSummary_"];
                 };
             };
             default: {
@@ -6461,7 +6509,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_ModuleRunInfo_"];
+                    "application/json": components["schemas"]["Page_ModuleRunInfo_"];
                 };
             };
             default: {
@@ -6580,7 +6628,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["SkillInfo"][];
+                    "application/json": components["schemas"]["Page_SkillInfo_"];
                 };
             };
             default: {
@@ -6636,7 +6684,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["DocumentKinds"];
+                    "application/json": components["schemas"]["Page_DocumentKindInfo_"];
                 };
             };
             default: {
@@ -6665,7 +6713,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Documents"];
+                    "application/json": components["schemas"]["Page_DocumentInfo_"];
                 };
             };
             default: {
@@ -6802,7 +6850,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Documents"];
+                    "application/json": components["schemas"]["Page_DocumentInfo_"];
                 };
             };
             default: {
@@ -6911,7 +6959,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_TaskInfo_"];
+                    "application/json": components["schemas"]["Page_TaskInfo_"];
                 };
             };
             default: {
@@ -7086,7 +7134,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PluginFaultInfo"][];
+                    "application/json": components["schemas"]["Page_PluginFaultInfo_"];
                 };
             };
             default: {
@@ -7113,7 +7161,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["RobotInfo"][];
+                    "application/json": components["schemas"]["Page_RobotInfo_"];
                 };
             };
             default: {
@@ -7263,7 +7311,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["DeviceInfo"][];
+                    "application/json": components["schemas"]["Page_DeviceInfo_"];
                 };
             };
             default: {
@@ -7530,7 +7578,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["CellSignal"][];
+                    "application/json": components["schemas"]["Page_CellSignal_"];
                 };
             };
             default: {
@@ -7993,7 +8041,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Webhook"][];
+                    "application/json": components["schemas"]["Page_Webhook_"];
                 };
             };
             default: {
@@ -8319,7 +8367,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ApiKey"][];
+                    "application/json": components["schemas"]["Page_ApiKey_"];
                 };
             };
             default: {

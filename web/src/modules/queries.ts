@@ -10,7 +10,10 @@ export type Run = Schema<"ModuleRunInfo">;
 export type Summary = Schema<"ModuleSummary">;
 
 export function useModules() {
-  return useQuery({ queryKey: keys.modules("all"), queryFn: async () => (await answer(api.GET("/api/v1/modules"))).items });
+  return useQuery({
+    queryKey: keys.modules("all"),
+    queryFn: async () => (await answer(api.GET("/api/v1/modules"))).items,
+  });
 }
 
 export function useModule(agent: string, module: string) {
