@@ -77,12 +77,7 @@ class Slots:
     """
 
     def __init__(
-        self,
-        what: str,
-        most: int,
-        each: int,
-        retry_after: float = 1.0,
-        refusal: tuple[int, str] = (503, "Busy"),
+        self, what: str, most: int, each: int, retry_after: float = 1.0, refusal: tuple[int, str] = (503, "Busy")
     ) -> None:
         self._what = what
         self._most = most
