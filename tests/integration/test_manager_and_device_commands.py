@@ -44,7 +44,7 @@ def test_a_skill_manager_is_closed_and_opened_from_the_shell(said: Ask, client: 
     assert [line.split()[0] for line in said("manager", "list").splitlines()] == ["arm_1", "base_1"]
 
     assert said("manager", "close", "arm_1") == "arm_1 is closed\n"
-    assert [manager["agent"] for manager in json.loads(said("manager", "list", "--json"))] == ["base_1"]
+    assert [manager["agent"] for manager in json.loads(said("manager", "list", "--json"))["items"]] == ["base_1"]
     assert {skill.name for skill in client.modules.skills().items} == {"drive"}
 
     assert said("manager", "open", "arm_1") == "arm_1 offers pick, place\n"
@@ -58,7 +58,7 @@ def test_a_device_is_closed_and_opened_from_the_shell(said: Ask, client: Client)
 
     assert said("device", "close", "gripper_1") == "gripper_1 is closed\n"
     assert not client.devices.get("gripper_1").open
-    closed = {device["id"] for device in json.loads(said("device", "list", "--json")) if not device["open"]}
+    closed = {device["id"] for device in json.loads(said("device", "list", "--json"))["items"] if not device["open"]}
     assert closed == {"gripper_1"}
     with pytest.raises(ProblemError, match="gripper_1 is closed: open it first") as refused:
         client.devices.jog("gripper_1", {"gap": 0.03})
