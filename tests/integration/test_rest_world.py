@@ -485,7 +485,10 @@ def test_a_locked_element_can_be_edited_only_by_its_owner(api: httpx2.Client) ->
     assert own.status_code == 200
     assert problem(again, 423)["locks"][0]["owner"] == "ann"
     assert [lock["element"] for lock in get(api, "/locks")["items"]] == ["kit_1"]
-    assert api.request("DELETE", "/locks", params={"elements": "kit_1"}, headers=as_("ann")).json() == {"items": [], "next": None}
+    assert api.request("DELETE", "/locks", params={"elements": "kit_1"}, headers=as_("ann")).json() == {
+        "items": [],
+        "next": None,
+    }
 
 
 @pytest.mark.parametrize("order", [{"elements": ["nobody"]}, {"elements": ["kit_1"], "seconds": 1e9}, {"elements": []}])
