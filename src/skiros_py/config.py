@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.files import RDF_TYPES
 from skiros_py.plugins.installation import has_bare_name, installation
 from skiros_py.plugins.loading import files_of
 from skiros_py.plugins.plugin import Entry, PluginFault, qualified
 
-SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
+SCENE_SUFFIXES = tuple(RDF_TYPES)
 """How the names of scene files end; of two files of one name the first kind counts."""
 
 _PACKAGE = Path(__file__).parent
@@ -32,12 +33,23 @@ _NO_FILES = (
 )
 
 
+ONTOLOGIES = "SKIROS_ONTOLOGIES"
+"""Environment variable with more folders of :func:`ontology_paths`, separated by ':'."""
+IMPORTS = "SKIROS_IMPORTS"
+"""Environment variable with the folders of :func:`import_paths`, separated by ':'."""
+
+
 def ontology_paths() -> tuple[Path, ...]:
     """Returns the folders whose files make the ontology; ``SKIROS_ONTOLOGIES`` adds more, separated by ':'.
 
     Plug-ins bring more: :func:`~skiros_py.world.ontology.load_installed` adds them.
     """
-    return (_folder("ontologies"), *_from_environment("SKIROS_ONTOLOGIES"))
+    return (_folder("ontologies"), *_from_environment(ONTOLOGIES))
+
+
+def import_paths() -> tuple[Path, ...]:
+    """Returns the folders in which imported ontologies are looked up; their files count only where one is imported."""
+    return _from_environment(IMPORTS)
 
 
 def scene_paths() -> tuple[Path, ...]:

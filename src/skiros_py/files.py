@@ -1,10 +1,21 @@
-"""Reads files of users."""
+"""Files of users: read as text; and the formats of those that hold triples."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from skiros_py.errors import FileError
+
+RDF_TYPES = {
+    ".ttl": "text/turtle",
+    ".owl": "application/rdf+xml",
+    ".rdf": "application/rdf+xml",
+    ".owx": "application/owl+xml",
+    ".xml": "application/rdf+xml",
+    ".nt": "application/n-triples",
+    ".jsonld": "application/ld+json",
+}
+"""Media types of scenes and ontologies, by the ends of their names; XML of each name may be RDF/XML or OWL/XML."""
 
 
 def read_text(path: Path) -> str:

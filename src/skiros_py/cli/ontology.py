@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.commands import Found, reports
-from skiros_py.cli.options import time_limit_option
+from skiros_py.cli.options import IMPORTS, combined, time_limit_option
 from skiros_py.cli.output import NOT_REACHED, REACHED, counted, progress
 from skiros_py.errors import UsageError
 from skiros_py.files import read_text
@@ -22,14 +22,15 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology.check.checking import CheckReport, ReasonerChoice
     from skiros_py.world.terms import End
 
-_PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
+_PATHS = combined(click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path)), IMPORTS)
 
 
 @click.group("ontology")
 def command() -> None:
     """Lists and checks ontologies, and generates Python constants for their terms.
 
-    PATHS are files and folders; left out, they are the ontologies of the installation.
+    PATHS are files and folders; left out, they are the ontologies of the installation. What they import is looked up
+    among them, in the folders of --imports and SKIROS_IMPORTS, and never fetched.
     """
 
 

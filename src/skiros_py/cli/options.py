@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import getpass
 import math
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from skiros_py.config import IMPORTS as IMPORT_FOLDERS
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from skiros_py.world.journal.data_directory import DataDirectory
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
+_Model = TypeVar("_Model", bound="BaseModel")
 
 
 def data_option(*, required: bool = True) -> Callable[[_Command], _Command]:
@@ -122,6 +127,23 @@ def key_values(
     return found
 
 
+def checked(model: type[_Model], data: Mapping[str, Any]) -> _Model:
+    """Makes a request of values from the command line.
+
+    Raises:
+        UsageError: A value is none for it.
+    """
+    from pydantic import ValidationError
+
+    from skiros_py.api.wire import fault_field, fault_words
+
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise UsageError(f"{fault_field(first)}: {fault_words(first)}") from None
+
+
 def given_params(params: Iterable[str]) -> dict[str, str]:
     """Reads parameters of a module, written as KEY=VALUE.
 
@@ -182,6 +204,24 @@ WITHOUT = click.option(
     help="Leave out all that a distribution contributes; may be repeated.",
 )
 """The option that leaves out the plug-ins of a distribution, as long as the command runs."""
+
+
+def _look_up(context: click.Context, _option: click.Parameter, folders: tuple[str, ...]) -> None:
+    before = os.environ.get(IMPORT_FOLDERS, "")
+    os.environ[IMPORT_FOLDERS] = ":".join((*folders, before))
+    context.call_on_close(lambda: os.environ.update({IMPORT_FOLDERS: before}))
+
+
+IMPORTS = click.option(
+    "--imports",
+    multiple=True,
+    metavar="FOLDER",
+    type=click.Path(exists=True, file_okay=False),
+    expose_value=False,
+    callback=_look_up,
+    help="Look up imported ontologies in FOLDER, besides those of SKIROS_IMPORTS; may be repeated.",
+)
+"""The option for the folders with ontologies that are imported."""
 SKILLS = combined(
     click.option(
         "--skills",
@@ -221,4 +261,4 @@ def cell_options(pace: str) -> Callable[[_Command], _Command]:
     """
     help_ = f"Simulated seconds per second.  [default: {pace}]"
     pace_option = click.option("--pace", type=_pace, default=pace, metavar="max|real|N", help=help_)
-    return combined(SEED, pace_option, FAKE, DRIVER, ENGINE, CONFIG)
+    return combined(SEED, pace_option, FAKE, DRIVER, ENGINE, CONFIG, IMPORTS)

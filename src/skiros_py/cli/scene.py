@@ -29,7 +29,8 @@ from skiros_py.world.vocabulary import DEVICE, ELEMENT, ROBOT
 def command() -> None:
     """Shows, checks, compares and saves scenes.
 
-    SCENE is a name as `skiros scene list` shows it, or the path of a file that ends in .ttl, .owl, .rdf, .owx or .xml.
+    SCENE is a name as `skiros scene list` shows it, or the path of a file that ends in .ttl, .owl, .rdf, .owx,
+    .xml, .nt or .jsonld.
     """
 
 

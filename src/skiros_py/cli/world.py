@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.options import AUTHOR, DATA, data_option, open_existing
+from skiros_py.cli.options import AUTHOR, DATA, checked, data_option, key_values, open_existing
 from skiros_py.cli.output import REACHED
 from skiros_py.cli.server_choice import present_world
 from skiros_py.errors import FileError
 from skiros_py.station.worlds import open_data, open_world
-from skiros_py.world.change import ElementEdit
+from skiros_py.world.change import Change, ElementEdit
 from skiros_py.world.element import Element
 from skiros_py.world.journal.records import Entry
 from skiros_py.world.literals import format_value
@@ -162,7 +163,7 @@ def compact(data: Path, keep: int) -> Found:
 
 @command.group("learned")
 def learned() -> None:
-    """Lists, deletes or exports the concepts taught to robots."""
+    """Lists, adds, edits, deletes, imports or exports the concepts taught to robots."""
 
 
 @reports("world learned list --data run/data", learned)
@@ -177,6 +178,81 @@ def list_learned(data: Path) -> Found:
 def _learned_line(element: Element) -> str:
     about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
     return f"{element.id} ({element.type}) '{element.label}'{about}"
+
+
+_LABEL = click.option("--label", metavar="TEXT", help="Its label.")
+_VALUES = click.option(
+    "--set",
+    "values",
+    multiple=True,
+    metavar="PROPERTY=VALUE",
+    callback=lambda _context, _option, texts: {
+        name: _json_or_text(text) for name, text in key_values("--set", texts, "sk:graspWidth=0.05").items()
+    },
+    help="A value, as JSON or text; null removes it. May be repeated.",
+)
+
+
+def _json_or_text(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+@reports("world learned add sk:TaughtGrasp --set sk:appliesTo=kitting:Starter --data run/data", learned)
+@click.argument("what", metavar="CLASS")
+@click.option("--like", is_flag=True, help="CLASS is an element of the scene, which is copied with its parts.")
+@click.option("--id", "id_", metavar="ID", help="Its id, which begins with 'learned:'.  [default: after its class]")
+@_LABEL
+@_VALUES
+@DATA
+@AUTHOR
+def add(
+    what: str, like: bool, id_: str | None, label: str | None, values: dict[str, Any], data: Path, author: str
+) -> Found:
+    """Adds a learned concept of CLASS; skiros world undo removes it."""
+    from skiros_py.api.world import NewElement
+
+    given = {"like" if like else "class": what, "id": id_, "label": label, "properties": values}
+    new = checked(NewElement, {**given, "reason": f"teaches a {what}"})
+    with present_world(data) as world:
+        return _changed(world.teach(new, author))
+
+
+@reports("world learned edit learned:mug_1 --set sk:mass=0.3 --data run/data", learned)
+@click.argument("concept")
+@_LABEL
+@_VALUES
+@DATA
+@AUTHOR
+def edit(concept: str, label: str | None, values: dict[str, Any], data: Path, author: str) -> Found:
+    """Changes label and values of CONCEPT; skiros world undo restores them."""
+    from skiros_py.api.world import ElementPatch
+
+    patch = checked(ElementPatch, {"label": label, "properties": values, "reason": f"edits {concept}"})
+    with present_world(data) as world:
+        return _changed(world.edit_learned(concept, patch, author))
+
+
+@reports("world learned import mugs.ttl --data run/data", learned, name="import")
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--replace", is_flag=True, help="Replace concepts that are different here; else they are refused.")
+@DATA
+@AUTHOR
+def import_(file: Path, replace: bool, data: Path, author: str) -> Found:
+    """Adds the learned concepts of FILE, which describes nothing else; those that exist already are left.
+
+    It is Turtle, or in another format that its name tells (.nt, .jsonld, .rdf, .owl, .owx).
+    """
+    with present_world(data) as world:
+        return _changed(world.import_learned(file, author, replace=replace))
+
+
+def _changed(change: Change | None) -> Found:
+    if change is None:
+        return {"edits": []}, ["nothing to change: it is so already"]
+    return change.as_json(), [f"change {change.number}: {change.reason}", *describe(change.edits)]
 
 
 @reports("world learned forget learned:mug_1 --data run/data", learned)

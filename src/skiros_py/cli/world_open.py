@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import UnknownName
 from skiros_py.station.scenes.scenes import scene_only
+from skiros_py.station.world.editing import add, change
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.element import Element, Stamp, is_learned
 from skiros_py.world.journal.journal import Journal
@@ -14,14 +16,18 @@ from skiros_py.world.journal.records import Entry
 from skiros_py.world.queries.answering import Binding, Result
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
-from skiros_py.world.scene.learned import learned_turtle
+from skiros_py.world.scene.learned import import_learned, learned_turtle
 from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.transaction import Transaction
 from skiros_py.world.undo import undo
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from skiros_py.api.world import ElementPatch, NewElement
 
 MOST_ROWS = 100_000
 """Maximum number of rows of a query in this process."""
@@ -90,13 +96,30 @@ class OpenWorld:
 
     def forget(self, concept: str, author: str) -> Change:
         """Deletes a learned concept with its parts."""
-        known = self._learned()
-        if concept not in known:
-            raise UnknownName("learned concept", concept, known)
-        with self._world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
+        self._check_learned(concept)
+        with self._write(author, f"forgets {concept}") as tx:
             tx.remove(concept)
-        (change,) = self._world.changes_since(self._world.version - 1)
-        return change
+        assert tx.change is not None
+        return tx.change
+
+    def teach(self, new: NewElement, author: str) -> Change | None:
+        """Adds a learned concept."""
+        with self._write(author, new.reason) as tx:
+            add(tx, new, learned=True)
+        return tx.change
+
+    def edit_learned(self, concept: str, patch: ElementPatch, author: str) -> Change | None:
+        """Changes a learned concept; None if it is so already."""
+        self._check_learned(concept)
+        with self._write(author, patch.reason) as tx:
+            change(tx, concept, patch)
+        return tx.change
+
+    def import_learned(self, file: Path, author: str, *, replace: bool) -> Change | None:
+        """Adds the learned concepts of a file; None if there is nothing new in it."""
+        with self._write(author, f"imports {file.name}") as tx:
+            import_learned(self._world, tx, file, replace=replace)
+        return tx.change
 
     def learned_turtle(self) -> str:
         """Returns the learned concepts as the text of a Turtle file."""
@@ -110,6 +133,14 @@ class OpenWorld:
         """Runs a SPARQL query."""
         with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:
             return queries.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
+
+    def _write(self, author: str, reason: str) -> AbstractContextManager[Transaction]:
+        return self._world.transaction(author, reason, writer=Writer.PERSON)
+
+    def _check_learned(self, concept: str) -> None:
+        known = self._learned()
+        if concept not in known:
+            raise UnknownName("learned concept", concept, known)
 
     def _learned(self) -> list[str]:
         return [name for name in self._world.abstracts(ELEMENT) if is_learned(name)]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from functools import partial
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -14,10 +15,11 @@ from pydantic import ValidationError
 from skiros_py.api.queries import Query
 from skiros_py.api.wire import fault_words
 from skiros_py.api.world import Change as ChangeInfo
-from skiros_py.api.world import ElementDetails, Learned
+from skiros_py.api.world import ElementDetails, ElementPatch, Learned, NewElement, Written
 from skiros_py.cli.world_open import History, Shown
 from skiros_py.client import Client
 from skiros_py.errors import UsageError
+from skiros_py.files import RDF_TYPES, read_text
 from skiros_py.geometry import Pose
 from skiros_py.world.change import Change
 from skiros_py.world.element import Element, Stamp, Value
@@ -72,9 +74,28 @@ class ServedWorld:
     def forget(self, concept: str, author: str) -> Change:
         """Deletes a learned concept with its parts."""
         self._write_as(author)
-        change = self._client.learned.forget(concept).change
+        change = self._written(self._client.learned.forget(concept))
         assert change is not None
-        return self._whole(change)
+        return change
+
+    def teach(self, new: NewElement, author: str) -> Change | None:
+        """Adds a learned concept."""
+        self._write_as(author)
+        return self._written(self._client.learned.add(new))
+
+    def edit_learned(self, concept: str, patch: ElementPatch, author: str) -> Change | None:
+        """Changes a learned concept; None if it is so already."""
+        self._write_as(author)
+        return self._written(self._client.learned.edit(concept, patch))
+
+    def import_learned(self, file: Path, author: str, *, replace: bool) -> Change | None:
+        """Adds the learned concepts of a file; None if there is nothing new in it."""
+        self._write_as(author)
+        kind = RDF_TYPES.get(file.suffix, "text/turtle")
+        reason = f"imports {file.name}"
+        return self._written(
+            self._client.learned.load(read_text(file), media_type=kind, replace=replace, reason=reason)
+        )
 
     def learned_turtle(self) -> str:
         """Returns the learned concepts as the text of a Turtle file."""
@@ -92,6 +113,9 @@ class ServedWorld:
     def _write_as(self, author: str) -> None:
         name = "".join(c for c in author if c.isprintable())[:_LONGEST_AUTHOR].strip()
         self._client.http.headers.update([(b"X-Skiros-User", name.encode())])
+
+    def _written(self, found: Written) -> Change | None:
+        return None if found.change is None else self._whole(found.change)
 
     def _whole(self, found: ChangeInfo) -> Change:
         """Returns a change with all its edits."""

@@ -27,6 +27,7 @@ from skiros_py.server.routes import (
     job_commands,
     job_results,
     jobs,
+    learned,
     modules,
     ontology,
     queries,
@@ -42,7 +43,7 @@ from skiros_py.server.services import Services
 
 _ROUTERS = (
     jobs.router, job_commands.router, job_results.router, goals.router, goals.previews_router, world.router,
-    elements.router, ontology.router, queries.router, world.learned_router, world.locks_router, scenes.router,
+    elements.router, ontology.router, queries.router, learned.router, world.locks_router, scenes.router,
     simulation.router, modules.router, documents.router, tasks.router,
     modules.plugins_router, robots.router, alarms.router, events.router, stop.router, webhooks.router,
     access.router, access.keys_router, access.session_router, health.router,

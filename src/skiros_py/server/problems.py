@@ -56,6 +56,7 @@ _REFUSED = {
     "JobOrderRemoved": 410,
     "NoModel": 404,
     "NoReplay": 404,
+    "LearnedBroken": 422,
     "NotFound": 404,
     "NotSaved": 507,
     "SceneUnreadable": 422,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from skiros_py.errors import Busy, NotFound, Refused, StaleVersion, UnknownName
+from skiros_py.files import RDF_TYPES
 from skiros_py.station.session import Session
 from skiros_py.world.world import World
 
@@ -90,6 +93,28 @@ def require_seen(seen: Seen | None, now: int) -> None:
         raise StaleVersion(
             f"version {seen.version} is not the current one: it was changed since; look again", present=now
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """A file with triples that was sent.
+
+    Attributes:
+        content: Its content.
+        media_type: One of :data:`~skiros_py.files.RDF_TYPES`.
+    """
+
+    content: bytes
+    media_type: str = "text/turtle"
+
+    @contextmanager
+    def as_file(self, name: str) -> Iterator[Path]:
+        """Lends it as a file in a folder of its own."""
+        ending = next(ending for ending, media_type in RDF_TYPES.items() if media_type == self.media_type)
+        with tempfile.TemporaryDirectory(prefix="skiros-sent-") as folder:
+            path = Path(folder) / f"{name}{ending}"
+            path.write_bytes(self.content)
+            yield path
 
 
 def find(kind: str, name: str, known: Mapping[str, T], code: str = "NotFound") -> T:

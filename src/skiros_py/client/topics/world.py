@@ -262,6 +262,46 @@ class Learned(Topic[C]):
     def list(self, *, limit: int | None = None, cursor: str | None = None) -> world.LearnedPage:
         """Lists the data taught to robots."""
 
+    @operation("POST /learned", once=True)
+    def add(self, new: world.NewElement) -> world.Written:
+        """Teaches a concept; its id is ``ids["new"]`` of the result.
+
+        Args:
+            new: Its description; ``like`` names an element of the scene.
+        """
+
+    @operation("PATCH /learned/{element}", once=True)
+    def edit(self, element: str, patch: world.ElementPatch, *, version: int | None = None) -> world.Written:
+        """Changes label and values of a taught element.
+
+        Args:
+            element: Its id.
+            patch: The changes.
+            version: The version that was seen; None for whatever it is now.
+        """
+
+    @call
+    def load(
+        self, text: str, *, media_type: str = "text/turtle", replace: bool = False, reason: str = ""
+    ) -> Call[world.Written]:
+        """Adds the taught data of a file; what exists already is left as it is.
+
+        Args:
+            text: The text of the file.
+            media_type: Its format, of :data:`skiros_py.files.RDF_TYPES`.
+            replace: Whether what is different is replaced.
+            reason: Why.
+        """
+        return Call(
+            "POST",
+            "/learned/import",
+            world.Written,
+            {"replace": replace, "reason": reason},
+            content=text.encode(),
+            headers={"Content-Type": media_type},
+            repeatable=False,
+        )
+
     @operation("DELETE /learned/{element}", once=True)
     def forget(self, element: str, *, version: int | None = None, reason: str | None = None) -> world.Written:
         """Deletes a taught element with its parts; an undo restores it.
@@ -331,10 +371,18 @@ class Scenes(Topic[C]):
         """
 
     @call
-    def upload(self, turtle: str, *, version: int | None = None) -> Call[scenes.CurrentScene]:
-        """Loads a scene from Turtle text; see :meth:`load`."""
-        headers = {"If-Match": tag(version) or "*", "Content-Type": "text/turtle"}
-        return Call("PUT", "/scene", scenes.CurrentScene, content=turtle.encode(), headers=headers, repeatable=False)
+    def upload(
+        self, text: str, *, version: int | None = None, media_type: str = "text/turtle"
+    ) -> Call[scenes.CurrentScene]:
+        """Loads a scene from the text of a file; see :meth:`load`.
+
+        Args:
+            text: The text.
+            version: The version of the world the caller has seen; None for any.
+            media_type: Its format, of :data:`skiros_py.files.RDF_TYPES`.
+        """
+        headers = {"If-Match": tag(version) or "*", "Content-Type": media_type}
+        return Call("PUT", "/scene", scenes.CurrentScene, content=text.encode(), headers=headers, repeatable=False)
 
     @operation("POST /scenes", once=True)
     def save(self, name: str, *, seen: int | None = None) -> scenes.SceneEntry:

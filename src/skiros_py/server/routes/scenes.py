@@ -10,12 +10,16 @@ from pydantic import ValidationError
 
 from skiros_py.api import scenes as api
 from skiros_py.config import SCENE_NAME
+from skiros_py.files import RDF_TYPES
 from skiros_py.server.access.roles import Operator, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, etag, tagged, topic_router
+from skiros_py.station.requests import Sent
 
 router = topic_router("scenes")
 
 TURTLE = "text/turtle"
+TRIPLES = {media_type: {"schema": {"type": "string"}} for media_type in dict.fromkeys(RDF_TYPES.values())}
+"""The content types of files with triples, as in the OpenAPI document."""
 
 SceneName = Annotated[str, Path(pattern=f"^{SCENE_NAME}$", description="Name of the scene.", examples=["kitting"])]
 Limit = Annotated[int, Query(ge=1, le=1000)]
@@ -76,20 +80,35 @@ def get_scene(act: Viewer) -> api.CurrentScene:
     return act.tagged(act.station.scenes.current())
 
 
-async def _wanted(request: Request) -> tuple[str, bytes]:
-    """Returns the name of the scene to be loaded, or its text: one of the two is empty."""
+def sent_triples(request: Request, body: bytes, instead: str = "") -> Sent:
+    """Returns a file with triples that was sent.
+
+    Args:
+        request: The request.
+        body: Its body.
+        instead: What else may be sent, for people.
+
+    Raises:
+        Problem: It is of another content type (415).
+    """
+    kind = content_type(request)
+    if kind not in TRIPLES:
+        raise Problem(415, "UnsupportedMediaType", f"send {instead}triples as {', '.join(TRIPLES)}")
+    return Sent(body, kind)
+
+
+def content_type(request: Request) -> str:
+    """Returns the content type of a request, without parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
+
+
+async def _wanted(request: Request) -> tuple[str, Sent | None]:
+    """Returns the name of the scene to be loaded, or the scene that was sent."""
     body = await request.body()
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind == TURTLE:
-        return "", body
-    if kind != "application/json":
-        raise Problem(
-            415,
-            "UnsupportedMediaType",
-            f'send a name as application/json, {{"name": "kitting"}}, or a scene as {TURTLE}',
-        )
+    if content_type(request) != "application/json":
+        return "", sent_triples(request, body, 'a name as application/json, {"name": "kitting"}, or ')
     try:
-        return api.LoadScene.model_validate_json(body).name, b""
+        return api.LoadScene.model_validate_json(body).name, None
     except ValidationError as error:
         wrong: list[Any] = [{**one, "loc": ("body", *one["loc"])} for one in error.errors(include_url=False)]
         raise RequestValidationError(wrong) from None
@@ -103,6 +122,7 @@ _LOAD_BODY = {
                 "schema": api.LoadScene.model_json_schema(),
                 "examples": {"name": {"value": {"name": "kitting"}}},
             },
+            **TRIPLES,
             TURTLE: {"schema": {"type": "string"}, "example": "scene:this a sk:Scene ."},
         },
     }
@@ -111,11 +131,11 @@ _LOAD_BODY = {
 
 @router.put("/scene", openapi_extra=_LOAD_BODY, responses=NEEDS_VERSION | tagged())
 def load_scene(
-    act: Operator, wanted: Annotated[tuple[str, bytes], Depends(_wanted)], seen: SeenDep
+    act: Operator, wanted: Annotated[tuple[str, Sent | None], Depends(_wanted)], seen: SeenDep
 ) -> api.CurrentScene:
     """Load a scene.
 
-    Replaces the current scene by another one, named or sent as Turtle. Learned concepts are kept.
+    Replaces the current scene by another one, named or sent as a file. Learned concepts are kept.
 
     The new scene is read and checked first; if there is any fault, the current one is kept. Nothing is fetched from the
     network. Then robots, skill managers and bodies are brought up, and the response is sent when that is done; other

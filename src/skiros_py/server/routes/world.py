@@ -1,4 +1,4 @@
-"""Routes: the world as a whole, taught data, locks, and the visible world."""
+"""Routes: the world as a whole, locks, and the visible world."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skiros_py.api import world as api
 from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import UsageError
-from skiros_py.server.access.roles import Engineer, Operator, Role, Viewer
+from skiros_py.server.access.roles import Operator, Role, Viewer
 from skiros_py.server.problems import NEEDS_VERSION, Problem, SeenDep, also_refused, tagged, topic_router
 
 Limit = Annotated[int, Query(ge=1, le=1000)]
@@ -160,42 +160,6 @@ def redo_edit(act: Operator, order: api.UndoOrder | None = None) -> api.Change:
     Reverts the last undo, as a new change, as long as no person has made another edit since.
     """
     return act.station.world.redo(order, act.author)
-
-
-learned_router = topic_router("learned")
-
-
-@learned_router.get("/learned")
-def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> api.LearnedPage:
-    """List learned concepts.
-
-    Lists the concepts taught to robots, which persist beyond this scene, in the order of ids.
-    """
-    return act.station.world.learned(limit, cursor or "")
-
-
-@learned_router.delete("/learned/{element}", responses=NEEDS_VERSION)
-def forget_learned(act: Engineer, element: ElementPath, seen: SeenDep, reason: WhyQuery = "") -> api.Written:
-    """Forget a learned concept.
-
-    Deletes a learned concept with its parts; an undo restores it.
-    """
-    return act.station.world.forget(element, seen, act.author, reason)
-
-
-@learned_router.get(
-    "/learned.ttl",
-    response_class=Response,
-    responses={200: {"content": {"text/turtle": {"schema": {"type": "string"}}}}},
-)
-def export_learned(act: Viewer) -> Response:
-    """Export learned concepts as Turtle.
-
-    Returns all learned concepts as the text of a Turtle file.
-
-    A new data directory that contains this file as learned.ttl starts with them.
-    """
-    return Response(act.station.world.learned_turtle(), media_type="text/turtle; charset=utf-8")
 
 
 locks_router = topic_router("locks")

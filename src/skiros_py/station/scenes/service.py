@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.api.scenes import CurrentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, Refused, UsageError
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import check_scene, load, require_rest, shown
 from skiros_py.station.scenes.scenes import SceneFile, scene_only
 from skiros_py.station.session import Session
@@ -134,9 +133,13 @@ class SceneService(Service):
         )
 
     def load(
-        self, name: str = "", turtle: bytes = b"", seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
+        self,
+        name: str = "",
+        sent: Sent | None = None,
+        seen: Seen | None = ANY_VERSION,
+        author: Author = LIBRARY,
     ) -> CurrentScene:
-        """Loads a scene, by its name or as Turtle, keeping the concepts taught to robots.
+        """Loads a scene, by its name or as it was sent, keeping the concepts taught to robots.
 
         It is read and checked beside the current scene, which is kept if there is any fault.
 
@@ -150,13 +153,12 @@ class SceneService(Service):
         session = station.session
         require_seen(seen, session.world.version)
         station.control.call(require_rest)
-        file = self._file(name) if name else None
-        if file is not None:
+        if sent is None:
             with _broken("SceneBroken", name):
-                scene = self._read(file)
+                scene = self._read(self._file(name))
         else:
             with _broken("SceneUnreadable", "the scene that was sent"):
-                scene = self._read_text(turtle)
+                scene = self._read_sent(sent)
         try:
             parse_goal(scene.goals, scene, session.catalogue.conditions)
             check_scene(session, scene)
@@ -233,15 +235,13 @@ class SceneService(Service):
         with self._reading:
             return self._cached(self._session, file.path, file.version)
 
-    def _read_text(self, text: bytes) -> Index:
-        """Returns the content of a scene sent as Turtle; no imports are fetched from the network.
+    def _read_sent(self, sent: Sent) -> Index:
+        """Returns the content of a scene that was sent; no imports are fetched from the network.
 
         Raises:
             FileError: It is broken; the error contains the line if known.
         """
-        with self._reading, tempfile.TemporaryDirectory(prefix="skiros-scene-") as folder:
-            path = Path(folder) / "scene.ttl"
-            path.write_bytes(text)
+        with self._reading, sent.as_file("scene") as path:
             scene = _read(self._session, path).copy()
         scene.source = SceneSource()
         return scene

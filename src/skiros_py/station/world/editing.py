@@ -13,9 +13,9 @@ from skiros_py.errors import Refused, UsageError
 from skiros_py.station.requests import Author
 from skiros_py.station.world.values import set_value
 from skiros_py.world import change as world_change
-from skiros_py.world.branches import add_draft, draft_of, instantiate
+from skiros_py.world.branches import add_draft, draft_of, instantiate, learn
 from skiros_py.world.change import Edit, Writer
-from skiros_py.world.element import is_abstract
+from skiros_py.world.element import is_abstract, is_learned
 from skiros_py.world.journal.journal import Journal
 from skiros_py.world.journal.records import Entry
 from skiros_py.world.locks import Lock as WorldLock
@@ -155,19 +155,21 @@ def lock_view(world: World, lock: WorldLock) -> Lock:
 # ------------------------------------------------------------------ elements
 
 
-def add(tx: Transaction, new: Addition, ids: Mapping[str, str] | None = None) -> str:
+def add(tx: Transaction, new: Addition, ids: Mapping[str, str] | None = None, *, learned: bool = False) -> str:
     """Adds an element with its values and relations, and returns its id.
 
     Args:
         tx: The transaction.
         new: Its description.
         ids: Ids of elements added before, by ref.
+        learned: True to add a learned concept, instead of an element of the scene.
 
     Raises:
         UnknownName: The element to copy does not exist.
-        UsageError: A ref was not defined before, or a relation does not have exactly one other end.
+        UsageError: A ref was not defined before, or a relation does not have exactly one other end; or the id is none
+            of a learned concept, and has to be.
     """
-    element = _made(tx, new, ids or {})
+    element = _made(tx, new, ids or {}, learned=learned)
     if new.placement is not None:
         tx.place(element, new.placement.relation, _target(new.placement.place, ids or {}))
     for property_, value in new.properties.items():
@@ -177,12 +179,16 @@ def add(tx: Transaction, new: Addition, ids: Mapping[str, str] | None = None) ->
     return element
 
 
-def _made(tx: Transaction, new: Addition, ids: Mapping[str, str]) -> str:
+def _made(tx: Transaction, new: Addition, ids: Mapping[str, str], *, learned: bool) -> str:
+    if learned and new.id is not None and not is_learned(new.id):
+        raise UsageError(f"the id of a learned concept begins with 'learned:', not '{new.id[:60]}'")
     if new.class_ is not None:
-        return tx.add(new.class_, new.label, new.id)
+        return tx.add(new.class_, new.label, new.id, learned=learned)
     assert new.like is not None
     like = _target(new.like, ids)
-    if is_abstract(like):
+    if learned:
+        element = learn(tx, like)
+    elif is_abstract(like):
         element = instantiate(tx, like)
     else:
         element = next(iter(add_draft(tx, draft_of(tx.view, like, STRUCTURE)).values()))

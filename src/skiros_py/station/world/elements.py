@@ -231,9 +231,15 @@ class ElementService(Service):
             StaleVersion: It was changed since the author has seen it.
             WorldError: The world refuses it.
         """
-        reason = patch.reason or f"edits {element}"
-        self._write(element, seen, author, reason, lambda tx: change(tx, element, patch))
+        self.edit(element, patch, seen, author)
         return self.get(element)
+
+    def edit(
+        self, element: str, patch: api.ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
+    ) -> api.Written:
+        """Does the same as :meth:`change`, and returns what was written."""
+        reason = patch.reason or f"edits {element}"
+        return self._write(element, seen, author, reason, lambda tx: change(tx, element, patch))
 
     def remove(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING
 from skiros_py.api import world as api
 from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
-from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed
+from skiros_py.errors import FileError, Locked, Refused, StaleVersion, UnknownName, WorldError
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed
+from skiros_py.station.scenes.loading import shown
 from skiros_py.station.world import editing
 from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change, SourceEdit
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.scene.learned import learned_turtle
+from skiros_py.world.scene.learned import import_learned, learned_turtle
 from skiros_py.world.undo import redo, undo
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 
@@ -241,11 +242,63 @@ class WorldService(Service):
             NotFound: There is no such concept.
             StaleVersion: It was changed since it was seen.
         """
+        self._check_learned(element)
+        return self._station.elements.remove(element, seen, author, reason or f"forgets {element}")
+
+    def teach(self, new: api.NewElement, author: Author = LIBRARY) -> api.Written:
+        """Adds a learned concept; its id is that of ``new`` in the result.
+
+        Raises:
+            UsageError: Its id is none of a learned concept.
+            WorldError: The world refuses it.
+        """
+        world = self._world
+        with editing.writing(world, author, new.reason or f"teaches a {new.class_ or new.like}") as tx:
+            element = editing.add(tx, new, learned=True)
+        return editing.written(world, tx, {"new": element})
+
+    def edit_learned(
+        self, element: str, patch: api.ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
+    ) -> api.Written:
+        """Changes a learned concept.
+
+        Raises:
+            NotFound: There is no such concept.
+            StaleVersion: It was changed since it was seen.
+            WorldError: The world refuses it.
+        """
+        self._check_learned(element)
+        return self._station.elements.edit(element, patch, seen, author)
+
+    def import_learned(
+        self, sent: Sent, author: Author = LIBRARY, reason: str = "", *, replace: bool = False
+    ) -> api.Written:
+        """Adds the learned concepts of a file.
+
+        Args:
+            sent: The file.
+            author: Who sends it.
+            reason: Why.
+            replace: Whether concepts that are different in the world are replaced.
+
+        Raises:
+            Refused: The file is broken, or speaks of anything else.
+            WorldError: The world refuses it, or has concepts that are different and not to be replaced.
+        """
+        world = self._world
+        try:
+            with sent.as_file("learned") as path, editing.writing(world, author, reason or "imports concepts") as tx:
+                import_learned(world, tx, path, replace=replace)
+        except FileError as error:
+            reason = f"the file is refused, nothing was changed: {shown(error)}"
+            raise Refused("LearnedBroken", reason, line=error.line) from None
+        return editing.written(world, tx)
+
+    def _check_learned(self, element: str) -> None:
         view = self._world.snapshot()
         with addressed():
             if not (is_learned(element) and view.has(element)):
                 raise UnknownName("learned concept", element, _learned(view))
-        return self._station.elements.remove(element, seen, author, reason or f"forgets {element}")
 
     def learned_turtle(self) -> str:
         """Returns all learned concepts as Turtle."""

@@ -10,10 +10,10 @@ from pathlib import Path
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError
-from skiros_py.files import read_text
+from skiros_py.files import RDF_TYPES, read_text
 from skiros_py.world.literals import LONGEST_TEXT
 from skiros_py.world.names import STANDARD_PREFIXES, Names, split_iri
-from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_turtle, parse_xml
+from skiros_py.world.ontology.formats import check_json, check_turtle, outline_xml, parse_text, parse_xml
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +22,8 @@ class Spelling:
 
     Attributes:
         prefixes: IRI by prefix.
-        is_turtle: True for Turtle, False for RDF/XML and OWL/XML.
-        base: What relative IRIs start with in XML.
+        is_turtle: True for Turtle and N-Triples, False for XML and JSON-LD.
+        base: What relative IRIs start with in XML and JSON-LD.
         entities: Text by name of entity in XML.
     """
 
@@ -35,7 +35,7 @@ class Spelling:
     def line(self, text: str, subject: str | None, term: str | None) -> int | None:
         """Returns the line of the statements about ``subject``, at ``term`` (IRIs) where it occurs, or None."""
         before = r"(?<![\w:.-])" if self.is_turtle else r"[\"'</>]"
-        starts = (r"^[ \t]*", before) if self.is_turtle else (_XML_NAMED,)
+        starts = (r"^[ \t]*", before) if self.is_turtle else (_NAMED,)
         found = (self._find(text, subject, named) for named in starts)
         start = next((offset for offset in found if offset is not None), None)
         offset = self._find(text, term, before, start or 0)
@@ -68,13 +68,16 @@ class Spelling:
                 yield f"&{entity};{iri.removeprefix(value)}"
 
 
-_XML_NAMED = r"(?:\bI[DR]I?|:ID|:about|\babbreviatedIRI)\s*=\s*[\"']"
+_NAMED = r"(?:(?:\bI[DR]I?|:ID|:about|\babbreviatedIRI)\s*=|\"@id\"\s*:)\s*[\"']"
 _TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")
 _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
 _IMPORTS = ox.NamedNode(STANDARD_PREFIXES["owl"] + "imports")
+_VERSION = ox.NamedNode(STANDARD_PREFIXES["owl"] + "versionIRI")
 
-_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
-_XML_SUFFIXES = (".owl", ".rdf", ".owx", ".xml")
+_LANGUAGES = {".nt": ox.RdfFormat.N_TRIPLES, ".jsonld": ox.RdfFormat.JSON_LD}
+"""Formats that are known by the ends of names alone."""
+_OTHER_START = re.compile(r"(?:\s|#.*\n)*(?:Prefix|Ontology)(?:\s*\(|:)")
+"""How OWL's functional and Manchester syntaxes begin."""
 _XML_START = re.compile(r"\s*<(?:\?xml|!|[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?[\s/>])")
 
 
@@ -89,6 +92,7 @@ class Document:
         prefixes: IRI by prefix, as declared in it.
         triples: Its statements in file order.
         spelling: How it writes IRIs.
+        aliases: Further IRIs by which it is imported.
     """
 
     path: Path
@@ -97,16 +101,24 @@ class Document:
     prefixes: Mapping[str, str]
     triples: tuple[ox.Triple, ...]
     spelling: Spelling
+    aliases: tuple[str, ...] = ()
 
     @property
     def is_turtle(self) -> bool:
-        """True for Turtle, which people write by hand; False for XML, which tools write."""
+        """True for Turtle, which people write by hand; False for XML and JSON-LD, which tools write."""
         return self.spelling.is_turtle
 
     def imports(self) -> tuple[str, ...]:
         """Returns the IRIs that it imports, sorted."""
-        found = (t.object for t in self.triples if t.predicate == _IMPORTS)
-        return tuple(sorted(term.value for term in found if isinstance(term, ox.NamedNode)))
+        return tuple(sorted(self._named(_IMPORTS)))
+
+    def iris(self) -> set[str]:
+        """Returns the IRIs by which it can be imported."""
+        return {self.iri, *self._named(_VERSION), *self.aliases}
+
+    def _named(self, predicate: ox.NamedNode) -> Iterator[str]:
+        found = (t.object for t in self.triples if t.predicate == predicate)
+        return (term.value for term in found if isinstance(term, ox.NamedNode))
 
     def fault(self, reason: str, subject: str | None = None, term: str | None = None) -> FileError:
         """Makes the error for a fault in the statements about ``subject``, at ``term`` (both IRIs) where it occurs."""
@@ -115,23 +127,32 @@ class Document:
     def __reduce__(self) -> tuple[Callable[..., Document], tuple[object, ...]]:
         # Ten times faster than triple by triple.
         packed = ox.serialize(self.triples, format=ox.RdfFormat.N_TRIPLES)
-        return _unpacked, (self.path, self.text, self.iri, self.prefixes, packed, self.spelling)
+        return _unpacked, (self.path, self.text, self.iri, self.prefixes, packed, self.spelling, self.aliases)
 
 
 def read_document(path: Path) -> Document:
     """Reads one file; nothing is fetched from anywhere.
 
-    A ``.ttl`` file is Turtle. Any other is RDF/XML or OWL/XML where it begins like XML, else Turtle.
+    A ``.ttl`` file is Turtle, ``.nt`` N-Triples, ``.jsonld`` JSON-LD. Any other is RDF/XML or OWL/XML where it begins
+    like XML, else Turtle.
 
     Raises:
         FileError: It is missing, unreadable, in none of these languages, or made to do harm; with the line where known.
     """
     text = read_text(path)
     base = path.resolve().as_uri()
-    if path.suffix == ".ttl" or not _XML_START.match(text):
+    language = _LANGUAGES.get(path.suffix, ox.RdfFormat.TURTLE)
+    if language == ox.RdfFormat.JSON_LD:
+        check_json(path, text)
+        prefixes, triples = parse_text(path, text, base, language)
+        spelling = Spelling(prefixes, is_turtle=False, base=base)
+    elif path.suffix in (".ttl", ".nt") or not _XML_START.match(text):
+        if _OTHER_START.match(text):
+            form = "OWL's functional or Manchester syntax, which is not read"
+            raise FileError(path, f"is in {form}: save it as RDF/XML, OWL/XML or Turtle, as Protégé does")
         check_turtle(path, text)
-        prefixes, triples = parse_turtle(path, text, base)
-        if not triples and path.suffix in _XML_SUFFIXES:
+        prefixes, triples = parse_text(path, text, base, language)
+        if not triples and path.suffix not in (".ttl", ".nt"):
             raise FileError(path, "says nothing: it should be RDF/XML or OWL/XML")
         spelling = Spelling(prefixes)
     else:
@@ -146,8 +167,8 @@ def read_document(path: Path) -> Document:
 def rdf_files(paths: Iterable[Path]) -> list[Path]:
     """Returns the files named, and for each folder all ontology files below it, sorted; each file once.
 
-    These are the files that end in ``.ttl``, ``.owl``, ``.rdf``, ``.owx``, and those that end in ``.xml`` and speak of
-    RDF or OWL (robot models and Protégé's catalogues end so too).
+    These are the files that end as :data:`~skiros_py.files.RDF_TYPES` says; of those that end in ``.xml`` only those that
+    speak of RDF or OWL (robot models and Protégé's catalogues end so too).
     """
     found: dict[Path, Path] = {}
     for path in paths:
@@ -157,7 +178,7 @@ def rdf_files(paths: Iterable[Path]) -> list[Path]:
 
 
 def _is_rdf(path: Path) -> bool:
-    if path.suffix not in _SUFFIXES or not path.is_file():
+    if path.suffix not in RDF_TYPES or not path.is_file():
         return False
     if path.suffix != ".xml":
         return True
@@ -185,10 +206,16 @@ def _declared_iri(triples: tuple[ox.Triple, ...]) -> str | None:
 
 
 def _unpacked(
-    path: Path, text: str, iri: str, prefixes: Mapping[str, str], packed: bytes, spelling: Spelling
+    path: Path,
+    text: str,
+    iri: str,
+    prefixes: Mapping[str, str],
+    packed: bytes,
+    spelling: Spelling,
+    aliases: tuple[str, ...],
 ) -> Document:
     triples = tuple([quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)])
-    return Document(path, text, iri, prefixes, triples, spelling)
+    return Document(path, text, iri, prefixes, triples, spelling, aliases)
 
 
 # ---------------------------------------------------------------- the common prefix table
@@ -236,7 +263,7 @@ def _namespaces(files: Iterable[Document]) -> set[str]:
 
 
 def _made(namespace: str, taken: Container[str]) -> str:
-    words = [re.sub(r"\.(owl|rdf|ttl|xml|owx)$", "", word) for word in re.split(r"[/#:]+", namespace) if word]
+    words = [re.sub(r"\.(owl|rdf|ttl|xml|owx|nt|jsonld)$", "", word) for word in re.split(r"[/#:]+", namespace) if word]
     word = next((word for word in reversed(words) if not _MEANINGLESS.fullmatch(word)), "")
     name = re.sub(r"[^a-z0-9]+", "_", word.lower()).strip("_")
     name = name if name[:1].isalpha() else f"ns{name}"

@@ -1,10 +1,12 @@
-"""Turns the text of a file into triples: Turtle, RDF/XML and OWL/XML; refuses files that were made to do harm."""
+"""Turns the text of a file into triples, in all formats that are read; refuses files that were made to do harm."""
 
 from __future__ import annotations
 
 import io
 import itertools
+import json
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
@@ -36,12 +38,14 @@ class XmlOutline:
         base: What its relative IRIs start with, or "" where it does not say.
         prefixes: IRI by prefix; the empty prefix is its default namespace.
         entities: Text by name of entity.
+        uris: File by IRI, as a catalogue of ontologies says.
     """
 
     root: str = ""
     base: str = ""
     prefixes: dict[str, str] = field(default_factory=dict)
     entities: dict[str, str] = field(default_factory=dict)
+    uris: dict[str, str] = field(default_factory=dict)
 
 
 def check_turtle(path: Path, text: str) -> None:
@@ -60,6 +64,42 @@ def check_turtle(path: Path, text: str) -> None:
             depth -= 1
         if depth > DEEPEST:
             raise FileError(path, _too_deep("brackets"), line=text.count("\n", 0, match.start()) + 1)
+
+
+def check_json(path: Path, text: str) -> None:
+    """Refuses a JSON-LD text that is nested too deep, or whose context is elsewhere.
+
+    Raises:
+        FileError: It is or does, or is no JSON; with the line where known.
+    """
+    try:
+        contexts = list(_contexts(json.loads(text)))
+    except RecursionError:
+        raise FileError(path, _too_deep("lists and objects")) from None
+    except ValueError as error:
+        reason = f"not JSON at column {getattr(error, 'colno', 1)}: {getattr(error, 'msg', error)}"
+        raise FileError(path, reason, line=getattr(error, "lineno", None)) from None
+    for context in contexts:
+        reason = f"its context <{context[:200]}> is elsewhere, and nothing is fetched: write what it says into this file"
+        raise FileError(path, reason, line=text.count("\n", 0, max(text.find(context), 0)) + 1)
+
+
+def _contexts(value: object) -> Iterator[str]:
+    """Yields what the contexts in a JSON value refer to.
+
+    Raises:
+        RecursionError: It is nested too deep.
+    """
+    waiting = [(value, 1)]
+    for part, depth in waiting:
+        if depth > DEEPEST:
+            raise RecursionError
+        if isinstance(part, dict):
+            said = part.get("@context", [])
+            outside = [*(said if isinstance(said, list) else [said]), part.get("@import")]
+            yield from (context for context in outside if isinstance(context, str))
+        if isinstance(part, dict | list):
+            waiting += [(one, depth + 1) for one in (part.values() if isinstance(part, dict) else part)]
 
 
 def outline_xml(path: Path, text: str) -> XmlOutline:
@@ -101,6 +141,8 @@ class _XmlScan:
             self.outline.base = (base or "").partition("#")[0]
         elif "name" in attributes and name == "http://www.w3.org/2002/07/owl#Prefix":
             self.outline.prefixes[attributes["name"]] = attributes.get("IRI", "")
+        elif "name" in attributes and name == "urn:oasis:names:tc:entity:xmlns:xml:cataloguri":
+            self.outline.uris.setdefault(attributes["name"], attributes.get("uri", ""))
 
     def _end(self, _name: str) -> None:
         self._depth -= 1
@@ -139,19 +181,22 @@ _TOO_LONG = f"a text or a name is too long to be read: a text may have {LONGEST_
 _SINGLE_QUOTED = re.compile(r"(<!ENTITY\s+[^\s'\"]+\s+)'([^'\"]*)'")
 
 
-def parse_turtle(path: Path, text: str, base: str) -> tuple[dict[str, str], tuple[ox.Triple, ...]]:
-    """Returns the prefixes and the statements of a Turtle text.
+def parse_text(
+    path: Path, text: str, base: str, language: ox.RdfFormat = ox.RdfFormat.TURTLE
+) -> tuple[dict[str, str], tuple[ox.Triple, ...]]:
+    """Returns the prefixes and the statements of a text in Turtle, N-Triples or JSON-LD.
 
     Raises:
         FileError: It is none; with the line.
     """
-    # Anonymous nodes of two files must not meet under one name.
-    parser = ox.parse(text, format=ox.RdfFormat.TURTLE, base_iri=base, rename_blank_nodes=True)
     try:
+        # Anonymous nodes of two files must not meet under one name.
+        parser = ox.parse(text, format=language, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
         triples = tuple([quad.triple for quad in parser])
     except SyntaxError as error:
         reason = re.sub(r"^Parser error at line \d+.*?: ", "", error.msg)
-        raise FileError(path, f"not Turtle at column {error.offset}: {reason[:300]}", line=error.lineno) from None
+        where = f" at column {error.offset}" if error.lineno else ""
+        raise FileError(path, f"not {language.name}{where}: {reason[:300]}", line=error.lineno) from None
     except MemoryError:
         raise FileError(path, _TOO_LONG) from None
     return dict(parser.prefixes), triples

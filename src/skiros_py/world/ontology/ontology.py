@@ -14,6 +14,7 @@ from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.declarations import Declarations, read_declarations
 from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
+from skiros_py.world.ontology.imports import with_imports
 from skiros_py.world.ontology.ownership import Owners
 from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation, closure, inverse
 
@@ -54,15 +55,15 @@ class Ontology:
 
     @classmethod
     def load(cls, paths: Sequence[Path]) -> Ontology:
-        """Reads Turtle, RDF/XML and OWL/XML files (of a folder: all below it), and merges them.
+        """Reads ontology files (of a folder: all below it) with those that they import, and merges them.
 
-        Imports are met by the files at hand; nothing is fetched from anywhere.
+        Imports are looked up among these files and in local folders; nothing is fetched from anywhere.
 
         Raises:
-            FileError: A file is missing or in none of these languages, uses a term that no file declares, or two files
+            FileError: A file is missing or in none of the languages, uses a term that no file declares, or two files
                 collide.
         """
-        return cls.of([read_document(path) for path in rdf_files(paths)])
+        return cls.of(with_imports(read_document(path) for path in rdf_files(paths)))
 
     @classmethod
     def of(cls, files: Sequence[Document]) -> Ontology:
@@ -267,21 +268,29 @@ def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, 
     base = rdf_files(paths)
     files, broken = plugin_files(base)
     faults = list(broken)
-    documents = {path: read_document(path) for path in base}
+    documents = [read_document(path) for path in base]
     own: dict[Entry, list[Document]] = {}
     for entry, found in files.items():
         try:
             own[entry] = [read_document(path) for path in found]
         except FileError as error:
             faults.append(fault_of(entry, str(error)))
-    owners = Owners([*documents.values(), *(file for group in own.values() for file in group)])
+    documents = with_imports(documents, (file for group in own.values() for file in group))
+    for entry, group in list(own.items()):
+        others = (file for one in (documents, *own.values()) for file in one)
+        try:
+            own[entry] = with_imports(group, others)
+        except FileError as error:
+            faults.append(fault_of(entry, str(error)))
+            del own[entry]
+    owners = Owners([*documents, *(file for group in own.values() for file in group)])
     for entry, group in list(own.items()):
         if (foreign := owners.fault(group)) is not None:
             faults.append(fault_of(entry, str(foreign)))
             del own[entry]
     while True:
         try:
-            ontology = Ontology.of([*documents.values(), *(file for group in own.values() for file in group)])
+            ontology = Ontology.of([*documents, *(file for group in own.values() for file in group)])
             return ontology, tuple(faults)
         except FileError as error:
             culprit = next((entry for entry, group in own.items() if any(f.path == error.path for f in group)), None)

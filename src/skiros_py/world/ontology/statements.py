@@ -15,6 +15,7 @@ from skiros_py.errors import FileError
 from skiros_py.world.element import is_abstract, is_learned
 from skiros_py.world.names import Names
 from skiros_py.world.ontology.documents import Document, common_names
+from skiros_py.world.ontology.imports import where_to_put
 from skiros_py.world.terms import DECLARES, Kind, reached
 
 Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
@@ -158,6 +159,12 @@ class Statements:
         """Prefixes (without one, namespaces) of which some file declares something."""
         return frozenset(vocabulary(term) for terms in self.declared.values() for term in terms)
 
+    @cached_property
+    def absent(self) -> Mapping[str, Document]:
+        """The imported ontologies that none of the files is, by IRI, each with the first file that imports it."""
+        at_hand = {iri for document in self.documents for iri in document.iris()}
+        return {iri: one for one in reversed(self.documents) for iri in one.imports() if iri not in at_hand}
+
     # ------------------------------------------------------------ faults
 
     def fault(self, subject: str, reason: str, *terms: str) -> FileError:
@@ -177,13 +184,8 @@ class Statements:
 
     def undeclared(self, subject: str, reason: str, at: str) -> FileError:
         """Makes the error for a name that no file declares."""
-        file = self._file(subject, at)
-        return file.fault(reason + self.likely(file), self.iri(subject), self.iri(at))
-
-    def likely(self, file: Document) -> str:
-        """Returns which imported files, absent here, may declare what a file uses; empty if all are here."""
-        absent = sorted(set(file.imports()) - {document.iri for document in self.documents})
-        return f" It may be in <{'> or <'.join(absent)}>, imported here, which no file at hand is." if absent else ""
+        likely = f" It may be in an ontology that is imported and missing: {where_to_put(self.absent)}"
+        return self.fault(subject, reason + likely * bool(self.absent), at)
 
     def iri(self, name: str | None) -> str | None:
         """Returns the IRI of a name; None for an anonymous node."""

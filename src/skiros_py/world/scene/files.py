@@ -6,9 +6,10 @@ import os
 import secrets
 import stat
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from skiros_py.config import ONTOLOGIES
 from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
 from skiros_py.geometry import Pose
@@ -216,7 +217,7 @@ def load_scene(
 
     Args:
         ontology: The ontology.
-        path: The file: Turtle, RDF/XML or OWL/XML.
+        path: The file, in a format that :func:`~skiros_py.world.ontology.documents.read_document` reads.
         ontology_paths: More files or folders in which imports are looked up.
         reasoners: The reasoners for computed relations in this world.
 
@@ -288,26 +289,33 @@ def _read(ontology: Ontology, path: Path, ontology_paths: Sequence[Path]) -> Rea
 
 
 def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) -> list[Document]:
-    known = {file.iri: file for file in ontology.sources}
+    known = {iri: file for file in ontology.sources for iri in file.iris()}
     read = {file.path.resolve() for file in ontology.sources}
     for file in (read_document(path) for path in rdf_files(paths) if path.resolve() not in read):
-        known.setdefault(file.iri, file)
+        known = dict.fromkeys(file.iris(), file) | known
     files = {scene.iri: scene}
+    missing: dict[str, Document] = {}
+    broken: list[PluginFault] = []
     waiting = [scene]
     for file in waiting:
         for iri in file.imports():
-            if iri not in known and iri not in files:
-                known[iri] = _of_a_plugin(iri, file, known)
-            if iri not in files:
-                files[iri] = known[iri]
-                waiting.append(known[iri])
+            found = files.get(iri) or known.get(iri)
+            if found is None:
+                found, faults = robot_document(iri)
+                broken += faults
+            if found is None:
+                missing.setdefault(iri, file)
+            elif found.iri not in files:
+                files[found.iri] = found
+                waiting.append(found)
+    if missing:
+        raise _missing(missing, known, broken)
     return list(files.values())
 
 
-def _of_a_plugin(iri: str, importer: Document, known: Collection[str]) -> Document:
-    document, faults = robot_document(iri)
-    if document is not None:
-        return document
-    found = ", ".join(f"<{name}>" for name in sorted(known)) or "none"
-    broken = "".join(f"; {fault}" for fault in faults)
-    raise importer.fault(f"imports <{iri}>, which no file at hand declares; these are declared: {found}{broken}", iri)
+def _missing(missing: Mapping[str, Document], known: Iterable[str], broken: Iterable[PluginFault]) -> FileError:
+    iri, importer = next(iter(missing.items()))
+    names, declared = (", ".join(f"<{name}>" for name in sorted(some)) or "none" for some in (missing, known))
+    faults = "".join(f"; {fault}" for fault in dict.fromkeys(broken))
+    advice = f"put an ontology into a folder of {ONTOLOGIES}; these are declared: {declared}"
+    return importer.fault(f"imports {names}, which no file at hand declares: {advice}{faults}", iri)

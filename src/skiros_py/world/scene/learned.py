@@ -1,4 +1,4 @@
-"""Data taught to robots, as a Turtle file: written, read and kept in sync with a journal."""
+"""Data taught to robots, as a file: written, read, imported, and kept in sync with a journal."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from skiros_py.world.ontology.documents import read_document
 from skiros_py.world.scene.files import fill, write_atomically
 from skiros_py.world.scene.reader import Reader
 from skiros_py.world.scene.writer import TurtleWriter
+from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
@@ -23,21 +24,61 @@ from skiros_py.world.world import World
 def learned_turtle(view: Index) -> str:
     """Returns the learned data of a state as Turtle text; equal states give equal texts."""
     writer = TurtleWriter(view)
-    learned = [name for name in view.abstracts(ELEMENT) if is_learned(name)]
-    return writer.file(LEARNED_GRAPH, writer.elements(learned))
+    return writer.file(LEARNED_GRAPH, writer.elements(_learned(view)))
 
 
-def read_learned(ontology: Ontology, path: Path) -> list[Edit]:
-    """Returns the edits that add the learned concepts of a file to a world without any.
+def read_learned(ontology: Ontology, path: Path) -> World:
+    """Returns a world with the learned concepts of a file, and nothing else.
 
     Raises:
-        FileError: The file is missing, has an unknown format, or does not fit the ontology; with the line if known.
+        FileError: The file is missing, has an unknown format, speaks of anything else, or does not fit the ontology;
+            with the line if known.
     """
     reader = Reader(ontology, LEARNED)
     reader.take(read_document(path), whole=True)
     world = World(ontology)
     fill(world, reader, "learned", f"read from {path.name}")
+    return world
+
+
+def import_learned(world: World, tx: Transaction, path: Path, *, replace: bool = False) -> None:
+    """Adds the learned concepts of a file to a world; those that it has already are left as they are.
+
+    Args:
+        world: The world.
+        tx: An open transaction of it.
+        path: The file.
+        replace: Whether concepts that are different in the world are removed, with their parts and all relations to
+            them, and replaced by those of the file.
+
+    Raises:
+        FileError: As for :func:`read_learned`.
+        WorldError: Concepts are different in the world, and are not to be replaced.
+    """
+    read = read_learned(world.ontology, path)
+    known, new = world.snapshot(), read.snapshot()
+    both = {name for name in _learned(new) if known.has(name)}
+    different = sorted(name for name in both if _described(known, name) != _described(new, name))
+    if different and not replace:
+        names = ", ".join(different)
+        raise WorldError(f"{names}: known already, and different; replace them, or give those of the file other ids")
+    for name in different:
+        if tx.view.has(name):  # else it went with what it is part of
+            tx.remove(name)
+    tx.apply(edit for edit in _edits(read) if edit.marks()[0] not in both - {*different})
+
+
+def _edits(world: World) -> list[Edit]:
     return [edit for change in world.changes for edit in change.edits]
+
+
+def _described(view: Index, name: str) -> tuple[object, ...]:
+    """An element with its placement and the relations that are stated of it."""
+    return view.element(name), [said for said in view.statements_about(name) if said[0] == name]
+
+
+def _learned(view: Index) -> list[str]:
+    return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
 # ---------------------------------------------------------------- the file
@@ -69,10 +110,10 @@ class LearnedFile:
         self._taken = True
         if not self.path.exists():
             return
-        edits = read_learned(world.ontology, self.path)
+        read = read_learned(world.ontology, self.path)
         try:
             with world.transaction("learned", f"carried over in {self.path.name}", writer=Writer.SYSTEM) as tx:
-                tx.apply(edits)
+                tx.apply(_edits(read))
         except WorldError as error:
             raise FileError(self.path, str(error)) from None
 
@@ -107,7 +148,7 @@ class LearnedFile:
     def _mirror(self, world: World) -> None:
         view = world.snapshot()
         there = self.path.exists()
-        if not there and not any(is_learned(name) for name in view.abstracts(ELEMENT)):
+        if not there and not _learned(view):
             return
         text = learned_turtle(view)
         try:

@@ -10,11 +10,22 @@ import { notifyDone } from "../../widgets/toasts";
 import { Difference } from "./Difference";
 import { usePresent } from "./queries";
 
-/** A scene by name, or an uploaded Turtle file. */
+/** A scene by name, or the text of an uploaded file. */
 export interface SceneToLoad {
   name: string;
-  turtle?: string;
+  text?: string;
 }
+
+/** Media types of scenes, by the ends of file names. */
+export const MEDIA_TYPES: Record<string, string> = {
+  ".ttl": "text/turtle",
+  ".owl": "application/rdf+xml",
+  ".rdf": "application/rdf+xml",
+  ".owx": "application/owl+xml",
+  ".xml": "application/rdf+xml",
+  ".nt": "application/n-triples",
+  ".jsonld": "application/ld+json",
+};
 
 interface Props {
   scene: SceneToLoad;
@@ -79,13 +90,14 @@ function useLoad(scene: SceneToLoad, onDone: () => void) {
   });
 }
 
-function put({ name, turtle }: SceneToLoad, tag: string) {
+function put({ name, text }: SceneToLoad, tag: string) {
   const params = { header: { "if-match": tag } };
-  if (turtle === undefined) return answer(api.PUT("/api/v1/scene", { params, body: { name } }));
+  if (text === undefined) return answer(api.PUT("/api/v1/scene", { params, body: { name } }));
+  const type = MEDIA_TYPES[name.slice(name.lastIndexOf("."))] ?? "text/turtle";
   return answer(
     api.PUT("/api/v1/scene", {
-      params: { header: { ...params.header, "Content-Type": "text/turtle" } },
-      body: turtle as never, // the OpenAPI description contains only the other media type
+      params: { header: { ...params.header, "Content-Type": type } },
+      body: text as never, // the generated types take only the first media type
       bodySerializer: String,
     }),
   );

@@ -8,7 +8,7 @@ import { MayButton } from "../../widgets/MayButton";
 import { Moment } from "../../widgets/Moment";
 import { useWrite } from "../edit/useWrite";
 import { ConfirmDialog } from "../../widgets/ConfirmDialog";
-import { LoadDialog, type SceneToLoad } from "./LoadDialog";
+import { LoadDialog, MEDIA_TYPES, type SceneToLoad } from "./LoadDialog";
 import { usePresent, useScenes } from "./queries";
 
 /** The scenes that can be loaded. */
@@ -18,7 +18,7 @@ export function SceneList() {
   const { data: present } = usePresent();
   const [loading, setLoading] = useState<SceneToLoad | null>(null);
   const upload = (file: File | null) => {
-    if (file) void file.text().then((turtle) => setLoading({ name: file.name, turtle }));
+    if (file) void file.text().then((text) => setLoading({ name: file.name, text }));
   };
   return (
     <Stack gap="xs" align="start">
@@ -34,7 +34,7 @@ export function SceneList() {
           ))}
         </Table.Tbody>
       </Table>
-      <FileButton onChange={upload} accept=".ttl,text/turtle">
+      <FileButton onChange={upload} accept={Object.keys(MEDIA_TYPES).join()}>
         {(props) => (
           <MayButton
             operation="load_scene"

@@ -14,7 +14,8 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError
 from skiros_py.world.names import Names
 from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
-from skiros_py.world.ontology.statements import Statement, Statements
+from skiros_py.world.ontology.imports import with_imports
+from skiros_py.world.ontology.statements import Statement, Statements, is_standard
 from skiros_py.world.terms import Kind, closure
 
 
@@ -116,7 +117,21 @@ HEADER = frozenset({"owl:imports", "owl:versionIRI"})
 
 
 class Material(Statements):
-    """The files of one check that could be read."""
+    """The files of one check that could be read.
+
+    Attributes:
+        sought: The terms that no file declares, and a missing import may.
+    """
+
+    def __init__(self, documents: Sequence[Document], names: Names) -> None:
+        super().__init__(documents, names)
+        self.sought: set[str] = set()
+
+    def is_sought(self, name: str) -> bool:
+        """Returns whether a missing import may declare a name, which is noted."""
+        sought = bool(self.absent) and not self.kinds(name) and not is_standard(name)
+        self.sought |= {name} if sought else set()
+        return sought
 
     @cached_property
     def parents(self) -> Mapping[str, Sequence[str]]:
@@ -163,7 +178,7 @@ class Material(Statements):
 
 
 def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
-    """Reads all files (of a folder: all below it); files that cannot be read become findings."""
+    """Reads all files (of a folder: all below it) and those they import; which cannot be read become findings."""
     documents: list[Document] = []
     findings: list[Finding] = []
     for path in rdf_files(paths):
@@ -172,11 +187,12 @@ def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
         except FileError as fault:
             findings.append(finding_of(fault, FindingKind.UNREADABLE, path.name))
     try:
+        documents = with_imports(documents)
         names = common_names(documents)
     except FileError as fault:
         findings.append(finding_of(fault, FindingKind.UNREADABLE, fault.path.name))
         names = Names({p: iri for one in documents[::-1] for p, iri in one.prefixes.items() if p})  # the first counts
-    return Material(documents, names), [*findings, *_twins(documents), *_absent_imports(documents)]
+    return Material(documents, names), [*findings, *_twins(documents)]
 
 
 def _twins(documents: Sequence[Document]) -> Iterator[Finding]:
@@ -186,13 +202,3 @@ def _twins(documents: Sequence[Document]) -> Iterator[Finding]:
         if first is not document:
             fault = document.fault(f"declares ontology <{document.iri}>, as {first.path} does", document.iri)
             yield finding_of(fault, FindingKind.UNREADABLE, document.iri)
-
-
-def _absent_imports(documents: Sequence[Document]) -> Iterator[Finding]:
-    at_hand = {document.iri for document in documents}
-    for document in documents:
-        for iri in document.imports():
-            if iri not in at_hand:
-                reason = f"imports <{iri}>, which none of the files at hand is; nothing is fetched from the network"
-                fault = document.fault(reason, document.iri, iri)
-                yield finding_of(fault, FindingKind.IMPORT, document.iri, severity=Severity.WARNING)

@@ -12,7 +12,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.world.literals import DATATYPES, parse_value
 from skiros_py.world.names import CORE
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
-from skiros_py.world.ontology.check.undeclared import undeclared_terms
+from skiros_py.world.ontology.check.undeclared import absent_imports, undeclared_terms
 from skiros_py.world.ontology.statements import Statement, is_standard
 from skiros_py.world.terms import MOST_ABOVE, Kind, closure, cycle, too_deep
 
@@ -36,7 +36,7 @@ def _end(material: Material, statement: Statement, kind: FindingKind) -> Iterato
     if isinstance(statement.triple.object, ox.Literal):
         text = f"the {kind} of {subject} must be a {wanted}, got the text '{statement.triple.object.value[:60]}'"
         yield material.finding(statement, kind, subject, text)
-    elif end is not None and not _is_one(material, end, wanted):
+    elif end is not None and not _is_one(material, end, wanted) and not material.is_sought(end):
         text = f"the {kind} of {subject}: {_why(material, end, wanted)}"
         yield material.finding(statement, kind, subject, text, end)
 
@@ -278,5 +278,5 @@ def depths(material: Material) -> Iterator[Finding]:
 
 def structural_findings(material: Material) -> list[Finding]:
     """Returns the faults in the declarations and statements of the files."""
-    checks = (undeclared_terms, bad_ends, cycles, depths, house_rules, misfits)
+    checks = (undeclared_terms, bad_ends, cycles, depths, house_rules, misfits, absent_imports)
     return [finding for check in checks for finding in check(material)]

@@ -10,6 +10,7 @@ import rdflib
 from skiros_py.errors import UnknownName
 from skiros_py.world.names import split_iri
 from skiros_py.world.ontology.check.material import Finding, FindingKind, Material, Severity, finding_of
+from skiros_py.world.ontology.imports import where_to_put
 from skiros_py.world.ontology.statements import Statement, is_standard, vocabulary
 from skiros_py.world.terms import Kind
 
@@ -123,9 +124,10 @@ def _used(material: Material, statement: Statement, name: str | None, kinds: tup
         text = f"{name} is a {others[0]}, not a {' or '.join(kinds)}"
         yield material.finding(statement, FindingKind.WRONG_KIND, name, text, name)
         return
-    known = [term for kind in kinds for term in material.declared[kind]]
-    text = f"{UnknownName(' or '.join(kinds), name, known)}{material.likely(statement.document)}"
-    yield material.finding(statement, FindingKind.UNDECLARED, name, text, name)
+    if not material.is_sought(name):
+        known = [term for kind in kinds for term in material.declared[kind]]
+        text = str(UnknownName(" or ".join(kinds), name, known))
+        yield material.finding(statement, FindingKind.UNDECLARED, name, text, name)
 
 
 def _is_foreign(material: Material, name: str) -> bool:
@@ -150,6 +152,20 @@ def _foreign_words(material: Material) -> Iterator[Finding]:
 def _no_such_word(material: Material, statement: Statement, name: str) -> Finding:
     text = f"{name} is no word of the standard its prefix stands for (is it misspelt? capitals count)"
     return material.finding(statement, FindingKind.UNDECLARED, name, text, name)
+
+
+def absent_imports(material: Material) -> Iterator[Finding]:
+    """Says once which imports are missing: an error if terms are, too, else a warning; to be asked last."""
+    for iri, document in list(material.absent.items())[:1]:
+        terms = sorted(material.sought)
+        shown = ", ".join([*terms[:_MOST_SHOWN], "…"][: len(terms)])
+        lacks = f"; {len(terms)} terms are undeclared without them: {shown}" if terms else ""
+        fault = document.fault(f"imports are missing: {where_to_put(material.absent)}{lacks}", document.iri, iri)
+        severity = Severity.ERROR if terms else Severity.WARNING
+        yield finding_of(fault, FindingKind.IMPORT, document.iri, severity=severity)
+
+
+_MOST_SHOWN = 10
 
 
 def _two_kinds(material: Material) -> Iterator[Finding]:
