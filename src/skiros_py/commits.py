@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skiros_py.errors import FileError
+from skiros_py.files import open_private
 
 ENDING = "-commits"
 """What the name of the file adds to that of its database."""
@@ -166,7 +167,7 @@ def create(database: Path, last: int, what: str) -> None:
     ):
         content[slot * _SLOT : (slot + 1) * _SLOT] = _encoded(commit)
     new.unlink(missing_ok=True)
-    file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    file = open_private(os.fspath(new), os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     try:
         os.write(file, content)
         os.fsync(file)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import logging
 import os
-import re
-import shutil
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from skiros_py import commits
 from skiros_py.commits import CommitLog, LostCommits
+from skiros_py.database_file import connect, find_loss, give_up, last_commit, set_pragma
 from skiros_py.errors import DiskFault, FileError, WorldError
+from skiros_py.files import open_private
 
 _log = logging.getLogger(__name__)
 
@@ -42,9 +42,6 @@ _WORDS = (
     ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
     ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
 )
-_ZERO = int.from_bytes(b"SKC".ljust(8, b"\0"))
-"""The count of commits begins there: so large, it is stored in a fixed length, after three letters."""
-_COUNTED = re.compile(rb"SKC(.{5})", re.DOTALL)
 COUNTED = "CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES (0x534b430000000000);"
 """The migration that counts commits; each schema has it."""
 _DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
@@ -158,22 +155,22 @@ class Database:
                 raise FileError(path, schema.damaged)
             _make_private(path)
             _check_complete(path, schema)
-            self._connection = _connect(path)
+            self._connection = connect(path)
             try:
                 schema.check(self._connection, path)
-                _run(self._connection, "journal_mode = WAL")
-                _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
+                set_pragma(self._connection, "journal_mode = WAL")
+                set_pragma(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
                 pages = _PAGES_BETWEEN_CHECKPOINTS if durable else _PAGES_AT_MOST
-                _run(self._connection, f"wal_autocheckpoint = {pages}")
+                set_pragma(self._connection, f"wal_autocheckpoint = {pages}")
                 schema.upgrade(self._connection)
-                self._committed = _last(self._connection)
+                self._committed = last_commit(self._connection)
                 if not commits.exists(path):
                     commits.create(path, self._committed, "the file was opened")
                 self._notes = CommitLog(path)
                 self.sync()
                 if lookups:
-                    self._looker = _connect(path)
-                    _run(self._looker, "query_only = ON")
+                    self._looker = connect(path)
+                    set_pragma(self._looker, "query_only = ON")
                 if not durable:
                     self._upkeep = _Upkeep(self)
             except BaseException:
@@ -205,7 +202,7 @@ class Database:
                     yield connection
                     self._check_open(connection)
                     connection.execute("UPDATE commits SET last = last + 1")  # RETURNING would take ten times as long
-                    committed = _last(connection)
+                    committed = last_commit(connection)
             finally:
                 self._writes = []
             self._committed = committed
@@ -373,8 +370,8 @@ class _Upkeep:
     def __init__(self, database: Database) -> None:
         self._database = database
         self._log = database.path.with_name(f"{database.path.name}-wal")
-        self._connection = _connect(database.path)
-        _run(self._connection, "synchronous = FULL")  # the log restarts only when the file is on the disk
+        self._connection = connect(database.path)
+        set_pragma(self._connection, "synchronous = FULL")  # the log restarts only when the file is on the disk
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, name="skiros-upkeep", daemon=True)
         self._thread.start()
@@ -405,11 +402,6 @@ _PAGE = 4096
 _ROUNDS = 5
 
 
-def open_private(path: str, flags: int) -> int:
-    """Opens a file, for ``open(..., opener=open_private)``: a new one can be used by its owner only."""
-    return os.open(path, flags, 0o600)
-
-
 def _make_private(path: Path) -> None:
     """Takes the permissions of others from a database and its log; SQLite gives new ones those of the file."""
     for file in (path, *(path.with_name(f"{path.name}-{end}") for end in ("wal", "shm", "commits"))):
@@ -429,20 +421,10 @@ def _make(path: Path, schema: Schema) -> None:
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
     os.close(open_private(os.fspath(new), os.O_CREAT | os.O_EXCL))
-    with closing(_connect(new)) as connection:
+    with closing(connect(new)) as connection:
         schema.upgrade(connection)
     commits.create(path, 0, "the file was made")
     new.replace(path)
-
-
-def _connect(path: Path) -> sqlite3.Connection:
-    # Transactions are begun explicitly; our own lock serialises threads.
-    return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
-
-
-def _connect_read_only(path: Path, more: str = "") -> sqlite3.Connection:
-    """Opens a file without changing it: SQLite neither checkpoints nor removes its log at the end."""
-    return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro{more}", timeout=1.0, isolation_level=None, uri=True)
 
 
 def _check_complete(path: Path, schema: Schema) -> None:
@@ -452,209 +434,14 @@ def _check_complete(path: Path, schema: Schema) -> None:
         FileError: It does not, or is of another kind or a later version.
         sqlite3.Error: The file is damaged or cannot be read.
     """
-    loss = find_loss(path, schema)
+    loss = find_loss(path, schema.check)
     if loss is None:
         return
     if not loss.power_cut:
         raise LostCommits(loss)
     for line in f"{loss}\nthe machine went down before they were on the disk".splitlines():
         _log.warning("%s: %s", path.name, line.strip())
-    _give_up(loss)
-
-
-def find_loss(path: Path, schema: Schema | None = None) -> commits.Loss | None:
-    """Returns which acknowledged writes are missing in a file; None if none is.
-
-    The file is not changed, and may be in use.
-
-    Args:
-        path: The file.
-        schema: Its tables, which are checked, too; None to check none.
-
-    Raises:
-        FileError: The file is of another kind or a later version, or older than its log.
-        sqlite3.Error: The file is damaged or cannot be read.
-    """
-    noted = commits.read(path)  # first: commits may be added meanwhile
-    with closing(_connect_read_only(path)) as connection:
-        if schema is not None:
-            schema.check(connection, path)
-        if not _counts(connection):
-            return None  # of an earlier version
-        last = _last(connection)
-        root = _page_of_commits(connection)
-    in_file, root = _in_file(path, root)  # VACUUM, which may be in the log, moves that page
-    first = _first_in_log(path, root)
-    if first is not None and in_file is not None and in_file < first - 1 < last:
-        log = f"{path.name}-wal"
-        raise FileError(
-            path,
-            f"is older than its log {log}, as if a copy had been put in its place while {log} was left: restore the"
-            f" whole data directory, or move {log} away",
-        )
-    return commits.find_loss(path, last, noted)
-
-
-def accept_loss(path: Path) -> commits.Loss | None:
-    """Gives up the acknowledged writes that are missing in a file, so that it can be opened.
-
-    A copy of its write-ahead log is kept beside it.
-
-    Returns:
-        What was missing; None if nothing was.
-
-    Raises:
-        FileError: The file is older than its log, or cannot be written.
-        sqlite3.Error: The file is damaged or cannot be read.
-    """
-    loss = find_loss(path)
-    if loss is not None:
-        _give_up(loss)
-    return loss
-
-
-def _give_up(loss: commits.Loss) -> None:
-    log = loss.path.with_name(f"{loss.path.name}-wal")
-    with suppress(FileNotFoundError):
-        shutil.copy2(log, log.with_name(f"{log.name}.kept"))
-    with closing(_connect(loss.path)) as connection:
-        connection.execute("UPDATE commits SET last = ?", (_ZERO + loss.last,))
-        _run(connection, "wal_checkpoint(TRUNCATE)")
-    commits.create(loss.path, loss.last, "missing writes were given up")
-
-
-class DatabaseFile:
-    """A file that is only read, and may be in use. Close it.
-
-    Args:
-        path: The file.
-
-    Attributes:
-        path: The file.
-
-    Raises:
-        FileError: It cannot be opened.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with _read_faults(path):
-            self._connection = _connect_read_only(path)
-            self._connection.execute("BEGIN")  # all queries see one state
-
-    def rows(self, sql: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
-        """Returns the rows of a query.
-
-        Raises:
-            FileError: The file is damaged or cannot be read.
-        """
-        with _read_faults(self.path):
-            return self._connection.execute(sql, values).fetchall()
-
-    def faults(self) -> Iterator[str]:
-        """Yields what is wrong with pages, indexes, and the texts that should be JSON.
-
-        Raises:
-            FileError: The file cannot be read.
-        """
-        found = [text for (text,) in self.rows("PRAGMA integrity_check(20)")]
-        yield from () if found == ["ok"] else found
-        sql = (
-            "SELECT tables.name, columns.name FROM sqlite_schema AS tables, pragma_table_info(tables.name) AS columns"
-            " WHERE tables.type = 'table' AND columns.name IN ('data', 'edits', 'stamps')"
-        )
-        for table, column in self.rows(sql):
-            broken = self.rows(f"SELECT count(*) FROM {table} WHERE NOT json_valid({column})")  # noqa: S608 - our names
-            if broken != [(0,)]:
-                yield f"{broken[0][0]} rows of the table {table} cannot be read"
-
-    def close(self) -> None:
-        """Closes the file."""
-        self._connection.close()
-
-
-@contextmanager
-def _read_faults(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except sqlite3.Error as error:
-        raise FileError(path, f"the file is damaged, or cannot be read ({error})") from error
-
-
-def back_up(paths: Sequence[Path], folder: Path) -> None:
-    """Copies files, which may be in use, as they are at one moment; each copy is complete without a log.
-
-    Args:
-        paths: The files, in the order in which their states are taken, a few milliseconds one after the other.
-        folder: Where the copies are made.
-
-    Raises:
-        sqlite3.Error: A file is damaged, or a copy cannot be written.
-        OSError: A copy cannot be written.
-    """
-    with ExitStack() as stack:
-        sources = [stack.enter_context(closing(_connect_read_only(path))) for path in paths]
-        for source in sources:
-            source.execute("BEGIN")
-            source.execute("SELECT count(*) FROM sqlite_schema").fetchall()  # the state is taken by the first read
-        for path, source in zip(paths, sources, strict=True):
-            target = folder / path.name
-            os.close(open_private(os.fspath(target), os.O_CREAT | os.O_EXCL))
-            with closing(_connect(target)) as copy:
-                source.backup(copy)
-                if _counts(copy):
-                    commits.create(target, _last(copy), "the backup was made")
-
-
-def _counts(connection: sqlite3.Connection) -> bool:
-    """Returns whether a file counts its commits: those of earlier versions do not."""
-    return bool(connection.execute("SELECT 1 FROM sqlite_schema WHERE name = 'commits'").fetchall())
-
-
-def _last(connection: sqlite3.Connection) -> int:
-    """Returns the number of the last commit."""
-    ((last,),) = connection.execute("SELECT last FROM commits").fetchall()
-    return int(last) - _ZERO
-
-
-def _page_of_commits(connection: sqlite3.Connection) -> int:
-    ((root,),) = connection.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'commits'").fetchall()
-    return int(root)
-
-
-def _in_file(path: Path, root: int) -> tuple[int | None, int]:
-    """Returns the last commit in a file itself, without its log, and the page where it is; None if that is unknown.
-
-    A checkpoint that goes on, or was cut off, may leave the file without sense until its log is read, too.
-    """
-    try:
-        with closing(_connect_read_only(path, "&immutable=1")) as connection:
-            if not _counts(connection):
-                return 0, root
-            root, last = _page_of_commits(connection), _last(connection)
-    except (sqlite3.Error, ValueError, TypeError):
-        return None, root
-    return last if last >= 0 else None, root
-
-
-def _first_in_log(path: Path, page: int) -> int | None:
-    """Returns the first commit in a write-ahead log; None if there is none.
-
-    Args:
-        path: The file.
-        page: Its page with the count of commits.
-    """
-    try:
-        with path.with_name(f"{path.name}-wal").open("rb") as log:
-            header = log.read(32)
-            size = int.from_bytes(header[8:12]) or 1
-            while (frame := log.read(24))[8:16] == header[16:24] and len(frame) == 24:
-                content = log.read(size)
-                if int.from_bytes(frame[:4]) == page and (found := _COUNTED.search(content)):
-                    return int.from_bytes(found[1])
-    except FileNotFoundError:
-        pass
-    return None
+    give_up(loss)
 
 
 def _fitting(rows: Iterable[tuple[Any, ...]], room: int) -> Iterator[tuple[Any, ...]]:
@@ -677,10 +464,6 @@ def _committing(connection: sqlite3.Connection) -> Iterator[None]:
         if connection.in_transaction:
             connection.execute("ROLLBACK")
         raise
-
-
-def _run(connection: sqlite3.Connection, pragma: str) -> None:
-    connection.execute(f"PRAGMA {pragma}").fetchall()
 
 
 def _number(connection: sqlite3.Connection, pragma: str) -> int:

@@ -1,7 +1,8 @@
-"""Files of users: read as text; and the formats of those that hold triples."""
+"""Files: read as text, opened for their owner only; and the formats of those that hold triples."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from skiros_py.errors import FileError
@@ -40,3 +41,15 @@ def read_text(path: Path) -> str:
     if "\0" in text:
         raise FileError(path, "is no text: it has a zero byte", line=text.count("\n", 0, text.index("\0")) + 1)
     return text
+
+
+def open_private(path: str, flags: int) -> int:
+    """Opens a file, for ``open(..., opener=open_private)``: a new one can be used by its owner only.
+
+    A file that root makes belongs to the owner of its folder, whose programs could not use it otherwise.
+    """
+    file = os.open(path, flags, 0o600)
+    if os.geteuid() == os.fstat(file).st_uid == 0:
+        owner = Path(path).absolute().parent.stat()
+        os.fchown(file, owner.st_uid, owner.st_gid)
+    return file

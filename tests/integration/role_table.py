@@ -133,7 +133,9 @@ _TABLE = {
     """,
     "engineer": """
         /queries POST
-        /learned/{element} DELETE
+        /learned POST
+        /learned/import POST
+        /learned/{element} PATCH DELETE
         /simulation/bodies/{element} DELETE
         /simulation/bodies/{element}/pose PUT
         /simulation/reset POST
@@ -162,6 +164,8 @@ _TABLE = {
         /keys/{key_id} GET DELETE
         /audit GET
         /audit/export GET
+        /data/findings GET
+        /data/backups POST
     """,
 }
 

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 
 from skiros_py import commits
 from skiros_py.commits import Loss, LostCommits
-from skiros_py.database import COUNTED, Database, Schema, accept_loss, back_up, find_loss
+from skiros_py.database import COUNTED, Database, Schema
+from skiros_py.database_file import accept_loss, back_up, find_loss
 from skiros_py.errors import FileError
 
 _SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);", COUNTED))
@@ -322,7 +323,7 @@ def test_a_file_in_use_is_looked_at_without_disturbing_it(tmp_path: Path) -> Non
         for number in range(200):
             with database.transaction(f"thing {number}") as connection:
                 connection.execute("INSERT INTO things VALUES ('x')")
-            assert find_loss(database.path, _SCHEMA) is None
+            assert find_loss(database.path, _SCHEMA.check) is None
         assert database.rows("SELECT count(*) FROM things") == [(200,)]
 
 

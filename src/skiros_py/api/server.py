@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Moment, Page, Request, WantedMoment
+from skiros_py.api.wire import Answer, Items, Moment, Page, Request, WantedMoment
 
 RoleName = Literal["viewer", "operator", "engineer", "admin", "mes"]
 """The roles. Each of the first four includes the permissions of those before it; mes may order and command jobs."""
@@ -139,6 +139,39 @@ class Readiness(Answer):
     """Whether everything is halted: orders are stored and wait."""
     why: str = ""
     """The fault; empty if there is none."""
+
+
+class BackupOrder(Request):
+    """A request for a copy of the data directory."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", examples=["monday"])
+    """Name of the copy."""
+
+
+class Backup(Answer):
+    """A copy of the data directory."""
+
+    folder: str = Field(examples=["/srv/plant/backups/monday"])
+    """Its path on the machine of the server."""
+    files: list[str] = Field(examples=[["journal.db", "jobs.db"]])
+    """Its files."""
+    bytes: int = Field(examples=[184320])
+    """Size of all together [bytes]."""
+
+
+class DataFinding(Answer):
+    """Something that is wrong with a file of the data directory."""
+
+    file: str = Field(examples=["jobs.db"])
+    """Its path in the data directory."""
+    fault: str = Field(examples=["2 notes of commits are damaged"])
+    """What is wrong."""
+    advice: str = Field(examples=["restore a backup of the data directory"])
+    """What to do."""
+
+
+DataFindings = Items[DataFinding]
+"""What is wrong with the data directory; nothing if every file is whole."""
 
 
 SERVER_FILE = "server.json"

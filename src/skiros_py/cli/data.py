@@ -12,7 +12,7 @@ from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.options import DATA
 from skiros_py.cli.output import DIFFERENT, REACHED, answer_text, counted
 from skiros_py.commits import Loss
-from skiros_py.database import DatabaseFile
+from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError
 from skiros_py.station.data_files import Finding, accept_loss, back_up, check_data
 from skiros_py.world.scene.files import write_atomically
@@ -45,7 +45,9 @@ def check(data: Path) -> Found:
 
     Exit status: 0 everything is well, 1 something is damaged, missing or was changed.
     """
-    found = [*check_data(data), *_audit_findings(data)]
+    from skiros_py.server.access.audit import audit_findings
+
+    found = [*check_data(data), *audit_findings(data)]
     shown = [{"file": one.file, "fault": one.fault, "advice": one.advice} for one in found]
     return {"findings": shown}, _finding_lines(found), DIFFERENT if found else REACHED
 
@@ -57,22 +59,6 @@ def _finding_lines(found: list[Finding]) -> Iterator[str]:
         yield from more
         yield f"  → {one.advice}"
     yield counted(fault=len(found)) if found else "every file is whole"
-
-
-def _audit_findings(data: Path) -> Iterator[Finding]:
-    from skiros_py.server.access.audit import broken_link
-    from skiros_py.server.access.keys import FILE
-
-    if not (data / FILE).exists():
-        return
-    try:
-        with closing(DatabaseFile(data / FILE)) as file:
-            broken = broken_link(file)
-    except FileError:  # which is found without the server, too
-        return
-    if broken:
-        advice = "compare with an export of the audit log; whoever can write to the file can do that"
-        yield Finding(FILE, f"the audit log was changed afterwards: {broken}", advice)
 
 
 @reports("data accept-loss --data plant", command, name="accept-loss")

@@ -17,8 +17,8 @@ from typing import Any
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
-from skiros_py.database import open_private
 from skiros_py.errors import FileError, SkirosError, UsageError
+from skiros_py.files import open_private
 from skiros_py.interruptions import limited
 from skiros_py.ports.values import Pending
 from skiros_py.recording.reader import Recording, nanoseconds

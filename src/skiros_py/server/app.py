@@ -19,6 +19,7 @@ from skiros_py.server.problems import PREFIX, add_problem_handlers
 from skiros_py.server.routes import (
     access,
     alarms,
+    data,
     documents,
     elements,
     events,
@@ -46,7 +47,7 @@ _ROUTERS = (
     elements.router, ontology.router, queries.router, learned.router, world.locks_router, scenes.router,
     simulation.router, modules.router, documents.router, tasks.router,
     modules.plugins_router, robots.router, alarms.router, events.router, stop.router, webhooks.router,
-    access.router, access.keys_router, access.session_router, health.router,
+    access.router, access.keys_router, access.session_router, data.router, health.router,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 

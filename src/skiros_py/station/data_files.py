@@ -5,18 +5,23 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from skiros_py import commits, database
+from skiros_py import commits, database_file
 from skiros_py.commits import ENDING, Loss
-from skiros_py.database import DatabaseFile
-from skiros_py.errors import FileError, SkirosError
+from skiros_py.database_file import DatabaseFile
+from skiros_py.errors import FileError, Refused, SkirosError
 from skiros_py.recording.reader import SUFFIX, Recording
+from skiros_py.station.requests import admitted
 from skiros_py.tasks.jobs.store import unreadable_jobs
-from skiros_py.world.journal.data_directory import DATABASES, FILES, DirectoryLock
+from skiros_py.workers import Worker
+from skiros_py.world.journal.data_directory import BACKUPS, DATABASES, FILES, DirectoryLock, make_folder
 from skiros_py.world.journal.records import select_after
 from skiros_py.world.ontology.documents import read_document
 
@@ -87,7 +92,7 @@ def back_up(data: Path, folder: Path) -> Sequence[Path]:
     except OSError as error:
         raise FileError(folder, f"cannot be made: {error.strerror}; choose a new folder") from None
     try:
-        database.back_up(paths, folder)
+        database_file.back_up(paths, folder)
         for name in FILES:
             for path in _below(data / name):
                 target = folder / path.relative_to(data)
@@ -118,12 +123,78 @@ def accept_loss(data: Path) -> Sequence[Loss]:
         losses = []
         for path in paths:
             try:
-                losses.append(database.accept_loss(path))
+                losses.append(database_file.accept_loss(path))
             except (sqlite3.Error, OSError) as error:
                 raise FileError(path, f"the file is damaged ({error}): {_RESTORE}") from error
         return [loss for loss in losses if loss is not None]
     finally:
         lock.release()
+
+
+class DataFiles:
+    """Checks and copies the data directory of a running station, in a process of its own.
+
+    Args:
+        data: The data directory.
+    """
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+        self._place = threading.Lock()
+
+    def check(self, more: Callable[[Path], Iterator[Finding]]) -> list[Finding]:
+        """Returns what is wrong with the files.
+
+        Args:
+            more: Yields further findings; picklable.
+
+        Raises:
+            Busy: Another check or copy is made.
+        """
+        found: list[Finding] = self._do("check", more)
+        return found
+
+    def back_up(self, name: str) -> tuple[Path, Sequence[Path]]:
+        """Copies the data directory into its folder ``backups``.
+
+        Args:
+            name: Name of the copy.
+
+        Returns:
+            The folder of the copy, and its files.
+
+        Raises:
+            Refused: There is a copy of this name, or a file is damaged.
+            Busy: Another check or copy is made.
+        """
+        folder = self._data / BACKUPS / name
+        try:
+            make_folder(folder.parent)
+            files: Sequence[Path] = self._do("back_up", folder)
+        except FileError as error:
+            raise Refused("NotCopied", f"{error.path.name}: {error.reason}") from None
+        return folder, files
+
+    def _do(self, what: str, argument: object) -> Any:
+        with admitted(self._place, "the data directory is being checked or copied: ask again when that is done"):
+            worker = Worker("data directory", partial(_Files, self._data))
+            try:
+                return worker.call(what, argument).result()
+            finally:
+                worker.close()
+
+
+@dataclass(frozen=True, slots=True)
+class _Files:
+    """What the process of :class:`DataFiles` does."""
+
+    data: Path
+
+    def check(self, more: Callable[[Path], Iterator[Finding]]) -> list[Finding]:
+        return [*check_data(self.data), *more(self.data)]
+
+    def back_up(self, folder: Path) -> Sequence[Path]:
+        return back_up(self.data, folder)
 
 
 def _databases(data: Path, names: Sequence[str]) -> Iterator[Path]:
@@ -141,7 +212,7 @@ def _database_faults(path: Path) -> Iterator[tuple[str, str]]:
         yield "the file is missing", _RESTORE
         return
     try:
-        loss = database.find_loss(path)
+        loss = database_file.find_loss(path)
         if loss is not None:
             yield str(loss), f"{_RESTORE}, or go on without by 'skiros data accept-loss --data {path.parent}'"
         with closing(DatabaseFile(path)) as file:

@@ -13,6 +13,7 @@ from skiros_py.recording.reader import JOBS
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
+from skiros_py.station.data_files import DataFiles
 from skiros_py.station.document_store import Document, DocumentStore
 from skiros_py.station.documents import DocumentService
 from skiros_py.station.events.live import LiveState
@@ -57,6 +58,7 @@ class Station:
 
     Attributes:
         data: The data directory.
+        files: Checks and copies it.
         control: Runs the session.
         alarms, devices, documents, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
             scenes, signals, simulation, stops, tasks, world: The use cases, by topic.
@@ -74,6 +76,7 @@ class Station:
 
     def __init__(self, opening: OpenSession, data: Path, *, events: int = 20_000, open_jobs: int = 50_000) -> None:
         self.data = data
+        self.files = DataFiles(data)
         self.control = ControlThread(opening)
         self.events = EventLog(events)
         self.alarms = Alarms(self.events, lambda: self.session)

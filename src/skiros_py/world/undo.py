@@ -24,9 +24,7 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to undo, or later changes depend on it; the text names them.
     """
     last = world.log.undoable()
-    if expects is not None and (last is None or last.number != expects):
-        now = "none" if last is None else f"change {last.number} ({last.author}: {last.reason})"
-        raise StaleVersion(f"change {expects} is not the one that can be undone now, which is {now}: look again")
+    _require(last, expects, "change {} is not the one that can be undone now")
     if last is None:
         since = f" since change {world.log.first}, from which on changes are remembered" if world.log.first > 1 else ""
         raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")
@@ -47,13 +45,18 @@ def redo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to redo, or later changes depend on it; the text names them.
     """
     last = world.log.redoable()
-    if expects is not None and (last is None or last.number != expects):
-        raise StaleVersion(f"undo {expects} is not the one that can be reverted now: look again")
+    _require(last, expects, "undo {} is not the one that can be reverted now")
     if last is None:
         raise WorldError("there is nothing to redo: nothing was undone since the last edit by a person")
     if any(isinstance(edit, SourceEdit) for edit in last.edits):
         raise WorldError("there is nothing to redo: a scene that was taken back is loaded again instead")
     return _revert(world, last, f"redoes what was undone: {last.reason}", author, holder)
+
+
+def _require(last: Change | None, expects: int | None, refusal: str) -> None:
+    if expects is not None and (last is None or last.number != expects):
+        now = "none" if last is None else f"change {last.number} ({last.author}: {last.reason})"
+        raise StaleVersion(f"{refusal.format(expects)}, which is {now}: look again")
 
 
 def _revert(world: World, change: Change, reason: str, author: str, holder: str) -> Change:

@@ -6,7 +6,7 @@ from typing import Generic
 
 from skiros_py.client.operation import C
 from skiros_py.client.topics.cell import Alarms, Devices, Modules, Plugins, Robots, Signals, Simulation, Station
-from skiros_py.client.topics.server import Audit, Events, Keys, Session, Webhooks
+from skiros_py.client.topics.server import Audit, Data, Events, Keys, Session, Webhooks
 from skiros_py.client.topics.work import Documents, Goals, Jobs, Previews, Tasks
 from skiros_py.client.topics.world import Elements, Learned, Locks, Ontology, Queries, Scenes, World
 
@@ -19,6 +19,7 @@ class Topics(Generic[C]):
     Attributes:
         alarms: Conditions that stopped a robot or need the user.
         audit: The audit log: changes and refused requests.
+        data: The data directory of the server.
         events: Past events, in pages; the client's :meth:`follow` streams new ones.
         keys: API keys.
         session: The caller's own session.
@@ -47,6 +48,7 @@ class Topics(Generic[C]):
     def __init__(self, client: C) -> None:
         self.alarms = Alarms(client)
         self.audit = Audit(client)
+        self.data = Data(client)
         self.events = Events(client)
         self.keys = Keys(client)
         self.session = Session(client)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from skiros_py.api import webhooks
 from skiros_py.api.events import EventKind, EventPage
-from skiros_py.api.server import ApiKey, ApiKeys, AuditPage, KeyOrder, Me, NewKey
+from skiros_py.api.server import ApiKey, ApiKeys, AuditPage, Backup, DataFindings, KeyOrder, Me, NewKey
 from skiros_py.api.view import StationState
 from skiros_py.client.operation import C, Topic, operation
 
@@ -24,6 +24,18 @@ class Audit(Topic[C]):
     @operation("GET /audit/export")
     def export(self) -> str:
         """Returns all records as JSON Lines, oldest first; each holds the SHA-256 of the line before."""
+
+
+class Data(Topic[C]):
+    """The data directory of the server."""
+
+    @operation("GET /data/findings")
+    def check(self) -> DataFindings:
+        """Reads every file, and returns what is wrong."""
+
+    @operation("POST /data/backups", once=True)
+    def back_up(self, name: str) -> Backup:
+        """Copies the data directory into its folder ``backups``."""
 
 
 class Events(Topic[C]):

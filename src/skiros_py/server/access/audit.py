@@ -12,12 +12,17 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.server import AuditRecord
-from skiros_py.database import Database, DatabaseFile
+from skiros_py.database import Database
+from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError, SkirosError
+from skiros_py.server.access.keys import FILE
+from skiros_py.station.data_files import Finding
 
 if TYPE_CHECKING:
     from fastapi import Request
@@ -202,6 +207,20 @@ def exported(database: Database | DatabaseFile) -> Iterator[str]:
     """
     for _, line in _stored(database):
         yield line
+
+
+def audit_findings(data: Path) -> Iterator[Finding]:
+    """Yields what is wrong with the audit log of a data directory, if there is one; a server may use it."""
+    if not (data / FILE).exists():
+        return
+    try:
+        with closing(DatabaseFile(data / FILE)) as file:
+            broken = broken_link(file)
+    except FileError:  # which is found without the server, too
+        return
+    if broken:
+        advice = "compare with an export of the audit log; whoever can write to the file can do that"
+        yield Finding(FILE, f"the audit log was changed afterwards: {broken}", advice)
 
 
 def broken_link(database: Database | DatabaseFile) -> str:

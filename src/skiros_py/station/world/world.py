@@ -193,15 +193,7 @@ class WorldService(Service):
             StaleVersion: The last edit is not the one given.
             Locked: Another author has locked an affected element.
         """
-        try:
-            return self._revert(undo, order, author)
-        except (StaleVersion, Locked):
-            raise
-        except WorldError as error:
-            last = self._world.log.undoable()
-            was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
-            hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
-            raise Refused("CannotUndo", f"{error}{hint}") from None
+        return self._revert(undo, "CannotUndo", order, author)
 
     def redo(self, order: api.UndoOrder | None = None, author: Author = LIBRARY) -> api.Change:
         """Reverts the last undo, as long as no person has made another edit since.
@@ -211,16 +203,21 @@ class WorldService(Service):
             StaleVersion: The last undo is not the one given.
             Locked: Another author has locked an affected element.
         """
+        return self._revert(redo, "CannotRedo", order, author)
+
+    def _revert(
+        self, how: Callable[..., Change], refusal: str, order: api.UndoOrder | None, author: Author
+    ) -> api.Change:
+        expects = order.change if order else None
         try:
-            return self._revert(redo, order, author)
+            return editing.change_view(how(self._world, author.name, expects=expects, holder=author.holder))
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
-            raise Refused("CannotRedo", str(error)) from None
-
-    def _revert(self, how: Callable[..., Change], order: api.UndoOrder | None, author: Author) -> api.Change:
-        expects = order.change if order else None
-        return editing.change_view(how(self._world, author.name, expects=expects, holder=author.holder))
+            last = self._world.log.undoable() if how is undo else None
+            was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
+            hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
+            raise Refused(refusal, f"{error}{hint}") from None
 
     # ------------------------------------------------------------------ learned concepts
 

@@ -15,7 +15,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from skiros_py.database import Database, DatabaseFile
+from skiros_py.database import Database
+from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import DiskFault, FileError, KeyReused, UnknownName
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Transition, Trigger
 from skiros_py.tasks.jobs.schema import SCHEMA

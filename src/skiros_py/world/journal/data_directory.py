@@ -13,7 +13,9 @@ from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import Self
 
+from skiros_py.database_file import delete
 from skiros_py.errors import FileError
+from skiros_py.files import open_private
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.journal.journal import Journal
 from skiros_py.world.ontology import Ontology
@@ -38,7 +40,7 @@ class DirectoryLock:
         """
         path = folder / "lock"
         try:
-            self._file: int | None = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+            self._file: int | None = open_private(os.fspath(path), os.O_RDWR | os.O_CREAT)
         except OSError as error:
             raise FileError(path, f"cannot be opened: {error.strerror}") from error
         try:
@@ -101,8 +103,10 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
         journal: Its changes, with queries on them.
     """
 
-    def __init__(self, path: Path, world: World, journal: Journal, stack: ExitStack, made: tuple[Path, ...]) -> None:
-        """Made by :meth:`open`; ``made`` are the files of a world that began with it."""
+    def __init__(
+        self, path: Path, world: World, journal: Journal, stack: ExitStack, made: tuple[Path, ...] | None
+    ) -> None:
+        """Made by :meth:`open`; ``made`` are the files, besides the journal, of a world that began with it."""
         self.path = path
         self.world = world
         self.journal = journal
@@ -144,10 +148,9 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
             journal = Journal(path / "journal.db")
             stack.callback(journal.close)
             learned = LearnedFile(path / "learned.ttl")
-            made: tuple[Path, ...] = ()
+            made: tuple[Path, ...] | None = None
             if journal.version == 0:
-                made = (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm", "-commits")),)
-                made += () if learned.path.exists() else (learned.path,)
+                made = () if learned.path.exists() else (learned.path,)
                 fresh = World(ontology, reasoners=reasoners)
                 if scene is not None:
                     fresh = load_scene(ontology, scene, imports, reasoners=reasoners)
@@ -179,8 +182,10 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
     def discard(self) -> None:
         """Closes it as if it had not been opened: a world created by opening it is deleted, an older one is kept."""
         self.journal.close()
-        for file in self._made:
-            file.unlink(missing_ok=True)
+        if self._made is not None:
+            for file in self._made:
+                file.unlink(missing_ok=True)
+            delete(self.path / "journal.db")  # last: until then, the world is as it was
         self.close()
 
     def close(self) -> None:
@@ -211,12 +216,14 @@ DATABASES = ("journal.db", "jobs.db", "server.db", "access.db", "webhooks.db")
 """The databases of a data directory."""
 FILES = ("learned.ttl", "halted.json", "scenes", "recordings", "runs")
 """Its other files and folders that outlive the process."""
+BACKUPS = "backups"
+"""Its folder with copies of it that a server made; no part of such a copy."""
 
 
 def _make_private(folder: Path) -> None:
     """Makes a folder and its content private, unless it holds something else than a data directory."""
-    own = (*DATABASES, *FILES, "server.json", "lock", "models", ".learned.ttl.", ".halted.json.")
-    if folder.name not in FILES and not all(file.name.startswith(own) for file in folder.iterdir()):
+    own = (*DATABASES, *FILES, BACKUPS, "server.json", "lock", "models", ".learned.ttl.", ".halted.json.")
+    if folder.name not in (*FILES, BACKUPS) and not all(file.name.startswith(own) for file in folder.iterdir()):
         _log.warning("%s holds other files, too: its permissions are left as they are, and others may look in", folder)
         return
     try:

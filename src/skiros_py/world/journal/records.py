@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType, NoneType
 from typing import Any, get_args
 
-from skiros_py.database import COUNTED, Database, DatabaseFile, Schema
+from skiros_py.database import COUNTED, Database, Schema
+from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 from skiros_py.world.change import (

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from skiros_py.config import ONTOLOGIES
-from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
+from skiros_py.files import open_private
 from skiros_py.geometry import Pose
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.loading import fault_of, files_of, load

@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-from skiros_py.database import open_private
 from skiros_py.errors import FileError, WorldError
+from skiros_py.files import open_private
 from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index

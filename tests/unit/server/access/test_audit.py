@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from skiros_py.database import DatabaseFile, Schema
+from skiros_py.database import Schema
+from skiros_py.database_file import DatabaseFile
 from skiros_py.server.access import audit as audit_module
 from skiros_py.server.access import keys
 from skiros_py.server.access.audit import AuditLog, broken_link
