@@ -48,8 +48,11 @@ def ontology_paths() -> tuple[Path, ...]:
 
 
 def import_paths() -> tuple[Path, ...]:
-    """Returns the folders in which imported ontologies are looked up; their files count only where one is imported."""
-    return _from_environment(IMPORTS)
+    """Returns the folders in which imported ontologies are looked up: of ``SKIROS_IMPORTS``, and that of the package.
+
+    A file in them counts only where it is imported.
+    """
+    return (*_from_environment(IMPORTS), _folder("ontologies"))
 
 
 def scene_paths() -> tuple[Path, ...]:

@@ -30,9 +30,7 @@ def _connect_read_only(path: Path, more: str = "") -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro{more}", timeout=1.0, isolation_level=None, uri=True)
 
 
-def find_loss(
-    path: Path, check: Callable[[sqlite3.Connection, Path], None] | None = None
-) -> commits.Loss | None:
+def find_loss(path: Path, check: Callable[[sqlite3.Connection, Path], None] | None = None) -> commits.Loss | None:
     """Returns which acknowledged writes are missing in a file; None if none is.
 
     The file is not changed, and may be in use.

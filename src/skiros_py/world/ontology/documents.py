@@ -167,8 +167,8 @@ def read_document(path: Path) -> Document:
 def rdf_files(paths: Iterable[Path]) -> list[Path]:
     """Returns the files named, and for each folder all ontology files below it, sorted; each file once.
 
-    These are the files that end as :data:`~skiros_py.files.RDF_TYPES` says; of those that end in ``.xml`` only those that
-    speak of RDF or OWL (robot models and Protégé's catalogues end so too).
+    These are the files that end as :data:`~skiros_py.files.RDF_TYPES` says; of those that end in ``.xml`` only what
+    speaks of RDF or OWL (robot models and Protégé's catalogues end so too).
     """
     found: dict[Path, Path] = {}
     for path in paths:

@@ -80,7 +80,9 @@ def check_json(path: Path, text: str) -> None:
         reason = f"not JSON at column {getattr(error, 'colno', 1)}: {getattr(error, 'msg', error)}"
         raise FileError(path, reason, line=getattr(error, "lineno", None)) from None
     for context in contexts:
-        reason = f"its context <{context[:200]}> is elsewhere, and nothing is fetched: write what it says into this file"
+        reason = (
+            f"its context <{context[:200]}> is elsewhere, and nothing is fetched: write its content into the file"
+        )
         raise FileError(path, reason, line=text.count("\n", 0, max(text.find(context), 0)) + 1)
 
 

@@ -1,8 +1,8 @@
 """Finds imported ontologies in local folders; nothing is ever fetched.
 
 The file of an IRI is the one that the XML catalogue of a folder names (``catalog-v001.xml`` of OASIS, as Protégé writes
-it): of the importing file's folder, or of one in ``SKIROS_IMPORTS``. Else it is the file in one of the latter that
-declares the IRI.
+it): of the importing file's folder, or of one of :func:`~skiros_py.config.import_paths`. Else it is the file in one of
+the latter that declares the IRI.
 """
 
 from __future__ import annotations

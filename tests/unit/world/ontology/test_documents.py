@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import pickle
 import socket
 import sys
@@ -52,6 +53,9 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
         ("declared_ascii.owl", xml().replace('"1.0"', '"1.0" encoding="US-ASCII"'), 1),
         ("many_brackets.ttl", PREFIX + 'e:a e:p [ e:q "[[((" ] .\n' * 2 * DEEPEST, 4 * DEEPEST),
         ("empty.ttl", "", 0),
+        ("a.nt", "<http://example.org/a> <http://example.org/p> <http://example.org/B> .\n", 1),
+        ("a.jsonld", json.dumps({"@context": {"e": "http://example.org/e#"}, "@id": "e:a", "@type": "e:B"}), 1),
+        ("deep.jsonld", json.dumps({"@id": "http://example.org/a"} | {"e:p": {"e:q": [{"@value": "[[["}]}}), 2),
     ],
 )
 def test_the_syntax_of_a_file_is_detected_from_its_content(
@@ -110,6 +114,24 @@ BAD = [
     ("nameless.owx", '<Ontology xmlns="http://www.w3.org/2002/07/owl#"/>', 1, "'ontologyIRI' is missing"),
     ("prefix.owx", NO_PREFIX, 2, "'b' is missing here, as prefix"),
     ("folder.ttl/x", "", None, "cannot be read"),
+    ("turtle.nt", PREFIX, 1, "not N-Triples at column 1"),
+    ("truncated.jsonld", '{\n"@id": "x"', 2, "not JSON at column 11"),
+    ("number.jsonld", f'{{"@id": {"1" * 5000}}}', None, "not JSON"),
+    ("deep.jsonld", '{"e:p": [' * 100_000, None, "lists and objects are nested more than"),
+    ("closed.jsonld", "[" * (DEEPEST + 1) + "]" * (DEEPEST + 1), None, "nested more than"),
+    ("wrong.jsonld", '{"@id": 3}', None, "not JSON-LD"),
+    ("graph.jsonld", '{"@id": "e:g", "@graph": [{"@id": "e:a", "e:p": "x"}]}', None, "not JSON-LD"),
+    (
+        "remote.jsonld",
+        '{"@context":\n"https://example.org/c.jsonld"}',
+        2,
+        "<https://example.org/c.jsonld> is elsewhere",
+    ),
+    ("listed.jsonld", '{"@context": [{}, "c.jsonld"]}', 1, "context <c.jsonld> is elsewhere, and nothing is fetched"),
+    ("imported.jsonld", '{"@context": {"@import": "c.jsonld"}}', 1, "context <c.jsonld> is elsewhere"),
+    ("scoped.jsonld", '{"@context": {"x": {"@id": "e:x", "@context": "c.jsonld"}}}', 1, "<c.jsonld> is elsewhere"),
+    ("functional.owl", "# SOMA\nPrefix(e:=<http://example.org/e#>)\nOntology(<e>)", None, "save it as RDF/XML"),
+    ("manchester.owl", "Prefix: e: <http://example.org/e#>\nOntology: <e>", None, "functional or Manchester syntax"),
 ]
 
 
@@ -136,6 +158,9 @@ def test_a_bad_file_is_refused_with_the_reason_and_the_line(
         ("robots.owl", "robots.owl#pioneer", "robots.owl#degreesOfFreedom", "<degreesOfFreedom"),
         ("upper.owl", "upper.owl#Region", None, 'rdf:ID="Region"'),
         ("bridge.ttl", "upper.owl#Region", None, "upper:Region rdfs:subClassOf sk:Location"),
+        ("../formats/tools.jsonld", "tools#Wrench", None, '"@id": "tools:Wrench"'),
+        ("../formats/tools.jsonld", "tools#Wrench", "tools#turns", '"tools:turns": "nuts"'),
+        ("../formats/tools.nt", "tools#Wrench", None, "tools#Wrench> <http://www.w3.org/1999"),
     ],
 )
 def test_a_fault_names_the_line_of_its_statement(name: str, subject: str, term: str | None, text: str) -> None:
