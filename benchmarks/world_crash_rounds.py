@@ -244,9 +244,7 @@ def _shown(ontology: Ontology, file: Path) -> dict[str, str]:
     """The labels in the file of learned concepts, which must be complete at any time."""
     if not file.exists():
         return {}
-    world = World(ontology)
-    with world.transaction("test", "read") as tx:
-        tx.apply(read_learned(ontology, file))
+    world = read_learned(ontology, file)
     return {name: world.element(name).label for name in world.abstracts("sk:Element") if is_learned(name)}
 
 

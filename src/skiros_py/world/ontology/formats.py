@@ -80,9 +80,7 @@ def check_json(path: Path, text: str) -> None:
         reason = f"not JSON at column {getattr(error, 'colno', 1)}: {getattr(error, 'msg', error)}"
         raise FileError(path, reason, line=getattr(error, "lineno", None)) from None
     for context in contexts:
-        reason = (
-            f"its context <{context[:200]}> is elsewhere, and nothing is fetched: write its content into the file"
-        )
+        reason = f"its context <{context[:200]}> is elsewhere, and nothing is fetched: write its content into the file"
         raise FileError(path, reason, line=text.count("\n", 0, max(text.find(context), 0)) + 1)
 
 
@@ -193,15 +191,19 @@ def parse_text(
     """
     try:
         # Anonymous nodes of two files must not meet under one name.
-        parser = ox.parse(text, format=language, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
-        triples = tuple([quad.triple for quad in parser])
+        parser = ox.parse(text, format=language, base_iri=base, rename_blank_nodes=True)
+        quads = list(parser)
     except SyntaxError as error:
         reason = re.sub(r"^Parser error at line \d+.*?: ", "", error.msg)
         where = f" at column {error.offset}" if error.lineno else ""
         raise FileError(path, f"not {language.name}{where}: {reason[:300]}", line=error.lineno) from None
     except MemoryError:
         raise FileError(path, _TOO_LONG) from None
-    return dict(parser.prefixes), triples
+    if language == ox.RdfFormat.JSON_LD and any(quad.graph_name != ox.DefaultGraph() for quad in quads):
+        raise FileError(
+            path, 'has a named graph ("@graph" of something with an "@id"): only one graph without name is read'
+        )
+    return dict(parser.prefixes), tuple([quad.triple for quad in quads])
 
 
 def parse_xml(path: Path, text: str, base: str, outline: XmlOutline) -> tuple[ox.Triple, ...]:

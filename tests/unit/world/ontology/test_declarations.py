@@ -174,7 +174,7 @@ def test_an_undeclared_term_is_reported_with_the_missing_import_that_may_declare
     text = "<http://example.org/m> a owl:Ontology ; owl:imports <http://example.org/gone> ."
 
     with pytest.raises(
-        FileError, match=r"It may be in <http://example\.org/gone>, imported here, which no file at hand is"
+        FileError, match=r"an ontology that is imported and missing: <http://example\.org/gone>: put the files into"
     ):
         load(text + "mine:A rdfs:subClassOf mine:Gone .")
 

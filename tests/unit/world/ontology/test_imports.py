@@ -115,7 +115,7 @@ def test_missing_imports_are_one_error_with_all_terms_that_they_may_declare(mine
 
     assert (finding.kind, finding.severity, finding.line) == (FindingKind.IMPORT, Severity.ERROR, 2)
     assert f"imports are missing: <http://example.org/more>, <{UPPER}>: put the files into a folder" in finding.text
-    assert "3 terms are undeclared without them: http://example.org/more#C, http://example.org/upper#B" in finding.text
+    assert "undeclared without them (3): http://example.org/more#C, http://example.org/upper#B" in finding.text
 
 
 def test_a_missing_import_of_which_nothing_is_used_is_a_warning(mine: Path) -> None:

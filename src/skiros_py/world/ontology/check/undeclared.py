@@ -159,7 +159,7 @@ def absent_imports(material: Material) -> Iterator[Finding]:
     for iri, document in list(material.absent.items())[:1]:
         terms = sorted(material.sought)
         shown = ", ".join([*terms[:_MOST_SHOWN], "…"][: len(terms)])
-        lacks = f"; {len(terms)} terms are undeclared without them: {shown}" if terms else ""
+        lacks = f"; undeclared without them ({len(terms)}): {shown}" if terms else ""
         fault = document.fault(f"imports are missing: {where_to_put(material.absent)}{lacks}", document.iri, iri)
         severity = Severity.ERROR if terms else Severity.WARNING
         yield finding_of(fault, FindingKind.IMPORT, document.iri, severity=severity)

@@ -149,14 +149,15 @@ def test_a_clean_ontology_has_no_findings(check: Check) -> None:
     assert report.reasoner is None
 
 
-def test_a_missing_import_is_a_warning_and_is_named_with_terms_it_may_declare(check: Check) -> None:
+def test_a_missing_import_is_named_once_with_terms_that_it_may_declare(check: Check) -> None:
     report = check(
         "<http://example.org/toys> owl:imports <http://example.org/more> . :A a owl:Class ; rdfs:subClassOf :B ."
     )
 
-    assert [f.kind for f in report.findings] == [FindingKind.UNDECLARED, FindingKind.IMPORT]
-    assert "It may be in <http://example.org/more>" in report.findings[0].text
-    assert report.findings[1].severity is Severity.WARNING
+    (finding,) = report.findings
+    assert (finding.kind, finding.severity) == (FindingKind.IMPORT, Severity.ERROR)
+    assert "<http://example.org/more>: put the files into a folder" in finding.text
+    assert finding.text.endswith("undeclared without them (1): toy:B")
 
 
 def test_a_vocabulary_without_any_declaration_is_a_warning(check: Check) -> None:
