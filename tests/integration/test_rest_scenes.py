@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import httpx2
 import pytest
+import rdflib
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.serving import Served, serving
@@ -17,10 +19,14 @@ from skiros_py.errors import DeviceError
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.change import Writer
+from skiros_py.world.names import SCENE
 from skiros_py.world.undo import undo
 
 ANY = {"If-Match": "*"}
 TURTLE = {**ANY, "Content-Type": "text/turtle"}
+_LAUGHS = "".join(f'<!ENTITY l{n} "{f"&l{n - 1};" * 10}">' for n in range(1, 10))
+BOMB = f'<?xml version="1.0"?><!DOCTYPE r [<!ENTITY l0 "lol">{_LAUGHS}]><r>&l9;</r>'
+EXTERNAL = '<?xml version="1.0"?><!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><r>&x;</r>'
 
 
 @pytest.fixture(scope="module")
@@ -188,6 +194,68 @@ def test_a_scene_exported_as_turtle_can_be_uploaded_again(served: Served, http: 
     assert (sent.status_code, sent.json()["name"], sent.json()["changed"]) == (200, "", None)
     assert served.services.station.session.world.element("starter_1").label == "painted"
     assert now(served) == text
+
+
+FORMATS = {
+    "application/n-triples": "nt",
+    "application/ld+json": "json-ld",
+    "application/rdf+xml": "pretty-xml",
+    "text/turtle; charset=utf-8": "turtle",
+}
+
+
+@pytest.mark.parametrize("media_type", FORMATS)
+def test_a_scene_can_be_uploaded_in_each_format(served: Served, http: httpx2.Client, media_type: str) -> None:
+    text = now(served)
+    other = rdflib.Graph().parse(data=text, format="turtle").serialize(format=FORMATS[media_type])
+
+    sent = http.put("/scene", content=other.encode(), headers={**ANY, "Content-Type": media_type})
+
+    assert sent.status_code == 200, sent.text
+    assert now(served) == text
+
+
+def test_a_scene_in_owl_xml_can_be_uploaded_by_the_client(served: Served, http: httpx2.Client) -> None:
+    individuals = re.findall(r"^scene:(\w+) a (\w+):(\w+) ;", now(served), re.MULTILINE)
+    names = dict(re.findall(r"^@prefix (\w+): <(.*)> \.", now(served), re.MULTILINE))
+    facts = "".join(
+        f'<ClassAssertion><Class IRI="{names[prefix]}{class_}"/><NamedIndividual IRI="{SCENE}{name}"/></ClassAssertion>'
+        for name, prefix, class_ in individuals
+        if class_ in ("Root", "Floor", "UnknownLocation")
+    )
+    text = f'<Ontology xmlns="http://www.w3.org/2002/07/owl#" ontologyIRI="http://example.org/bare">{facts}</Ontology>'
+
+    with Client(served.url) as client:
+        loaded = client.scenes.upload(text, media_type="application/owl+xml")
+
+    assert (loaded.elements, loaded.robots) == (len(re.findall("<Class ", text)), [])
+
+
+@pytest.mark.parametrize("media_type", ["text/plain", "application/xml", ""])
+def test_another_content_type_is_refused_with_the_list(http: httpx2.Client, media_type: str) -> None:
+    refused = http.put("/scene", content=b"scene:this a sk:Scene .", headers={**ANY, "Content-Type": media_type})
+
+    assert (refused.status_code, refused.json()["code"]) == (415, "UnsupportedMediaType")
+    assert all(kind.partition(";")[0] in refused.json()["detail"] for kind in (*FORMATS, "application/owl+xml"))
+
+
+HARMFUL = {
+    "a bomb": ("application/rdf+xml", BOMB, "must stand for a plain text"),
+    "an external entity": ("application/rdf+xml", EXTERNAL, "refers to another file"),
+    "an external entity in OWL/XML": ("application/owl+xml", EXTERNAL, "refers to another file"),
+    "a remote context": ("application/ld+json", '{"@context": "http://127.0.0.1:9/c"}', "nothing is fetched"),
+}
+
+
+@pytest.mark.parametrize("what", HARMFUL)
+def test_an_upload_that_was_made_to_do_harm_is_refused(http: httpx2.Client, what: str) -> None:
+    media_type, text, says = HARMFUL[what]
+
+    refused = http.put("/scene", content=text.encode(), headers={**ANY, "Content-Type": media_type})
+
+    assert (refused.status_code, refused.json()["code"]) == (422, "SceneBroken")
+    assert says in refused.json()["detail"]
+    assert "root:" not in refused.text
 
 
 BROKEN = {

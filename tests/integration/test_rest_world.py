@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 import httpx2
 import pytest
+import rdflib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.serving import Served, serving
@@ -512,6 +513,62 @@ def test_learned_concepts_can_be_listed_exported_and_forgotten(served: Served, a
     assert problem(api.delete("/learned/starter_1", headers=ANYHOW), 404)
     assert api.delete(f"/learned/{lesson}", headers={"If-Match": f'"{told["version"]}"'}).status_code == 200
     assert lesson not in {one["id"] for one in get(api, "/learned")["items"]}
+
+
+def test_learned_concepts_are_added_edited_and_imported_and_each_change_can_be_undone(api: httpx2.Client) -> None:
+    new = {"class": TAUGHT_GRASP, "properties": {APPLIES_TO: "kitting:RelayBox", GRASP_WIDTH: 0.03}}
+    added = api.post("/learned", json=new)
+    lesson = added.json()["ids"]["new"]
+    patch = {"label": "from the side", "properties": {GRASP_WIDTH: 0.02}}
+    edited = api.patch(f"/learned/{lesson}", json=patch, headers=ANYHOW)
+    text = api.get("/learned.ttl").text
+    api.delete(f"/learned/{lesson}", headers=ANYHOW).raise_for_status()
+    graph = rdflib.Graph().parse(data=text, format="turtle")
+    kinds = {"application/n-triples": "nt", "application/ld+json": "json-ld", "application/rdf+xml": "xml"}
+    imported = [
+        api.post("/learned/import", content=graph.serialize(format=form), headers={"Content-Type": kind})
+        for kind, form in kinds.items()
+    ]
+
+    assert (added.status_code, edited.status_code) == (201, 200)
+    assert added.headers["Location"].endswith("/elements/" + lesson.replace(":", "%3A"))
+    assert edited.json()["change"]["author"] == added.json()["change"]["author"]
+    assert imported[0].json()["change"]["writer"] == "person"
+    assert [one.json()["change"] for one in imported[1:]] == [None, None]
+    assert api.get("/learned.ttl").text == text
+    api.post("/world/undo").raise_for_status()
+    assert lesson not in api.get("/learned.ttl").text
+
+
+def test_what_no_learned_concept_can_be_is_refused_with_a_reason(api: httpx2.Client) -> None:
+    turtle = {"Content-Type": "text/turtle"}
+    foreign = api.post(
+        "/learned/import", content=b"\n<http://example.org/a> a <http://example.org/b> .", headers=turtle
+    )
+    other = api.post("/learned/import", content=b"x", headers={"Content-Type": "text/plain"})
+    named = api.post("/learned", json={"class": "kitting:Starter", "id": "mug_1"})
+    placed = {"relation": "sk:in", "place": "pallet_a"}
+    scene = api.post("/learned", json={"class": "kitting:Starter", "placement": placed})
+
+    assert problem(foreign, 422)["line"] == 2
+    assert "may speak of learned: individuals only" in foreign.json()["detail"]
+    assert "/tmp" not in foreign.text
+    assert "application/ld+json" in problem(other, 415)["detail"]
+    assert "begins with 'learned:'" in problem(named, 422)["detail"]
+    assert "what is learned outlives the scene" in problem(scene, 422)["detail"]
+    assert problem(api.patch("/learned/starter_1", json={"label": "x"}, headers=ANYHOW), 404)
+
+
+def test_a_different_concept_is_replaced_only_on_request(api: httpx2.Client) -> None:
+    new = {"like": "starter_1", "id": None, "label": "a starter", "reason": "seen"}
+    concept = api.post("/learned", json=new).json()["ids"]["new"]
+    before = api.get("/learned.ttl").text
+    api.patch(f"/learned/{concept}", json={"label": "dented"}, headers=ANYHOW).raise_for_status()
+    body = {"content": before.encode(), "headers": {"Content-Type": "text/turtle"}}
+
+    assert f"{concept}: known already, and different" in problem(api.post("/learned/import", **body), 422)["detail"]
+    assert api.post("/learned/import", params={"replace": True}, **body).status_code == 200
+    assert api.get("/learned.ttl").text == before
 
 
 # ------------------------------------------------------------------ the ontology

@@ -19,6 +19,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from skiros_py.api.server import is_address
+from skiros_py.files import RDF_TYPES
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limiters import Rates, Slots, network_of
 from skiros_py.server.access.roles import Caller, Role
@@ -99,7 +100,9 @@ def _too_long(longest: int) -> Problem:
 def _check(content_type: str, body: bytes) -> None:
     kind = content_type.partition(";")[0].strip().lower()
     if kind in _FORMS:
-        raise Problem(415, "UnsupportedMediaType", f"send JSON as application/json, not as {kind or 'nothing'}")
+        triples = ", ".join(dict.fromkeys(RDF_TYPES.values()))
+        said = f"send JSON as application/json, or triples, where they are taken, as {triples}; not {kind or 'nothing'}"
+        raise Problem(415, "UnsupportedMediaType", said)
     if kind == "application/json" or kind.endswith("+json"):
         check_json(body)
 

@@ -142,6 +142,6 @@ def test_a_different_concept_is_refused_unless_it_is_to_be_replaced(world: World
 def test_a_file_that_touches_terms_or_individuals_of_others_is_refused(world: World, tmp_path: Path, text: str) -> None:
     version = world.version
 
-    with pytest.raises(FileError, match="may speak of learned: individuals only; '.*' belongs into an ontology file"):
+    with pytest.raises(FileError, match=r"may speak of learned: individuals only; '.*' belongs into an ontology file"):
         imported(world, tmp_path, text)
     assert world.version == version
