@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Items, Moment, Page, Request, WantedMoment
+from skiros_py.api.wire import Answer, Moment, Page, Request, WantedMoment
 
 RoleName = Literal["viewer", "operator", "engineer", "admin", "mes"]
 """The roles. Each of the first four includes the permissions of those before it; mes may order and command jobs."""
@@ -170,7 +170,7 @@ class DataFinding(Answer):
     """What to do."""
 
 
-DataFindings = Items[DataFinding]
+DataFindings = Page[DataFinding]
 """What is wrong with the data directory; nothing if every file is whole."""
 
 

@@ -749,7 +749,23 @@ export interface paths {
         };
         get: operations["list_learned"];
         put?: never;
-        post?: never;
+        post: operations["teach_concept"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/learned/import": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["import_concepts"];
         delete?: never;
         options?: never;
         head?: never;
@@ -769,7 +785,7 @@ export interface paths {
         delete: operations["forget_learned"];
         options?: never;
         head?: never;
-        patch?: never;
+        patch: operations["change_learned"];
         trace?: never;
     };
     "/api/v1/learned.ttl": {
@@ -2004,6 +2020,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/data/findings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["check_data"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/data/backups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["back_up_data"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/healthz": {
         parameters: {
             query?: never;
@@ -2176,6 +2224,14 @@ export interface components {
             /** @default  */
             previous: string;
         };
+        Backup: {
+            folder: string;
+            files: string[];
+            bytes: number;
+        };
+        BackupOrder: {
+            name: string;
+        };
         Block: {
             /** @enum {string} */
             kind: "box" | "cylinder";
@@ -2183,9 +2239,8 @@ export interface components {
             pose: components["schemas"]["PoseInfo"];
         };
         Bodies: {
-            items: components["schemas"]["SimulatedBody"][];
-            next: string | null;
             time: number;
+            items: components["schemas"]["SimulatedBody"][];
         };
         BodyEdge: {
             source: string;
@@ -2321,6 +2376,9 @@ export interface components {
             abstract: boolean;
             skills: string[];
         };
+        ConditionWords: {
+            conditions: components["schemas"]["ConditionWord"][];
+        };
         ConstructAnswer: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -2342,6 +2400,11 @@ export interface components {
             learned: number;
             robots: components["schemas"]["SceneRobot"][];
             goals: string[];
+        };
+        DataFinding: {
+            file: string;
+            fault: string;
+            advice: string;
         };
         DecimalLiteral: {
             decimal: string;
@@ -2434,9 +2497,15 @@ export interface components {
             };
             palette: components["schemas"]["PaletteNode"][];
         };
+        DocumentKinds: {
+            kinds: components["schemas"]["DocumentKindInfo"][];
+        };
         DocumentProblem: {
             place: string;
             text: string;
+        };
+        Documents: {
+            documents: components["schemas"]["DocumentInfo"][];
         };
         ElementDetails: {
             id: string;
@@ -2501,7 +2570,7 @@ export interface components {
         EventPage: {
             items: components["schemas"]["EventInfo"][];
             next: string;
-            reset: components["schemas"]["ResetInfo"] | null;
+            reset?: components["schemas"]["ResetInfo"] | null;
         };
         Exchange: {
             condition: string;
@@ -2568,6 +2637,21 @@ export interface components {
             when: components["schemas"]["SkillCondition"][];
             nodes: components["schemas"]["BodyNode"][];
             edges: components["schemas"]["BodyEdge"][];
+        };
+        Items_DataFinding_: {
+            items: components["schemas"]["DataFinding"][];
+        };
+        Items_Lock_: {
+            items: components["schemas"]["Lock"][];
+        };
+        Items_ModuleRunInfo_: {
+            items: components["schemas"]["ModuleRunInfo"][];
+        };
+        Items_Preview_: {
+            items: components["schemas"]["Preview"][];
+        };
+        Items_TaskInfo_: {
+            items: components["schemas"]["TaskInfo"][];
         };
         Job: {
             id: string;
@@ -2648,6 +2732,9 @@ export interface components {
              */
             policy: components["schemas"]["JobPolicy"];
         };
+        JobPlan: {
+            steps: components["schemas"]["PlannedStep"][];
+        };
         JobPolicy: {
             /** @default true */
             rest: boolean;
@@ -2698,7 +2785,7 @@ export interface components {
             ended: string | null;
         };
         JobTrace: {
-            items: {
+            entries: {
                 [key: string]: unknown;
             }[];
             next: string | null;
@@ -2709,6 +2796,9 @@ export interface components {
             trigger: string;
             state: components["schemas"]["JobState"];
             comment: string;
+        };
+        JobTransitions: {
+            transitions: components["schemas"]["JobTransition"][];
         };
         JointDescription: {
             name: string;
@@ -2996,36 +3086,12 @@ export interface components {
             items: components["schemas"]["AlarmInfo"][];
             next: string | null;
         };
-        Page_ApiKey_: {
-            items: components["schemas"]["ApiKey"][];
-            next: string | null;
-        };
         Page_AuditRecord_: {
             items: components["schemas"]["AuditRecord"][];
             next: string | null;
         };
-        Page_CellSignal_: {
-            items: components["schemas"]["CellSignal"][];
-            next: string | null;
-        };
-        Page_ConditionWord_: {
-            items: components["schemas"]["ConditionWord"][];
-            next: string | null;
-        };
         Page_Delivery_: {
             items: components["schemas"]["Delivery"][];
-            next: string | null;
-        };
-        Page_DeviceInfo_: {
-            items: components["schemas"]["DeviceInfo"][];
-            next: string | null;
-        };
-        Page_DocumentInfo_: {
-            items: components["schemas"]["DocumentInfo"][];
-            next: string | null;
-        };
-        Page_DocumentKindInfo_: {
-            items: components["schemas"]["DocumentKindInfo"][];
             next: string | null;
         };
         Page_ElementSummary_: {
@@ -3036,44 +3102,12 @@ export interface components {
             items: components["schemas"]["JobResponse"][];
             next: string | null;
         };
-        Page_JobTransition_: {
-            items: components["schemas"]["JobTransition"][];
-            next: string | null;
-        };
         Page_Job_: {
             items: components["schemas"]["Job"][];
             next: string | null;
         };
         Page_Learned_: {
             items: components["schemas"]["Learned"][];
-            next: string | null;
-        };
-        Page_Lock_: {
-            items: components["schemas"]["Lock"][];
-            next: string | null;
-        };
-        Page_ManagerInfo_: {
-            items: components["schemas"]["ManagerInfo"][];
-            next: string | null;
-        };
-        Page_ModuleRunInfo_: {
-            items: components["schemas"]["ModuleRunInfo"][];
-            next: string | null;
-        };
-        Page_ModuleSummary_: {
-            items: components["schemas"]["ModuleSummary"][];
-            next: string | null;
-        };
-        Page_PlannedStep_: {
-            items: components["schemas"]["PlannedStep"][];
-            next: string | null;
-        };
-        Page_PluginFaultInfo_: {
-            items: components["schemas"]["PluginFaultInfo"][];
-            next: string | null;
-        };
-        Page_Preview_: {
-            items: components["schemas"]["Preview"][];
             next: string | null;
         };
         Page_PropertyInfo_: {
@@ -3088,24 +3122,8 @@ export interface components {
             items: components["schemas"]["Relation"][];
             next: string | null;
         };
-        Page_RobotInfo_: {
-            items: components["schemas"]["RobotInfo"][];
-            next: string | null;
-        };
         Page_SceneEntry_: {
             items: components["schemas"]["SceneEntry"][];
-            next: string | null;
-        };
-        Page_SkillInfo_: {
-            items: components["schemas"]["SkillInfo"][];
-            next: string | null;
-        };
-        Page_TaskInfo_: {
-            items: components["schemas"]["TaskInfo"][];
-            next: string | null;
-        };
-        Page_Webhook_: {
-            items: components["schemas"]["Webhook"][];
             next: string | null;
         };
         PaletteNode: {
@@ -3201,7 +3219,6 @@ export interface components {
         };
         Plugins: {
             items: components["schemas"]["PluginInfo"][];
-            next: string | null;
             others: components["schemas"]["PluginFaultInfo"][];
         };
         Pose: {
@@ -3433,14 +3450,14 @@ export interface components {
             goals: string[];
         };
         SceneDifference: {
-            items: {
-                [key: string]: unknown;
-            }[];
-            next: string | null;
             name: string;
             version: number;
             total: number;
+            edits: {
+                [key: string]: unknown;
+            }[];
             lines: string[];
+            next?: string | null;
         };
         SceneEntry: {
             name: string;
@@ -3647,10 +3664,9 @@ export interface components {
             text: string;
         };
         TaskTrace: {
-            items: {
+            entries: {
                 [key: string]: unknown;
             }[];
-            next: string | null;
             forgotten: number;
         };
         TemplateParameter: {
@@ -4377,7 +4393,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_PlannedStep_"];
+                    "application/json": components["schemas"]["JobPlan"];
                 };
             };
             default: {
@@ -4467,7 +4483,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_JobTransition_"];
+                    "application/json": components["schemas"]["JobTransitions"];
                 };
             };
             default: {
@@ -4741,7 +4757,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_ConditionWord_"];
+                    "application/json": components["schemas"]["ConditionWords"];
                 };
             };
             default: {
@@ -4768,7 +4784,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_Preview_"];
+                    "application/json": components["schemas"]["Items_Preview_"];
                 };
             };
             default: {
@@ -5653,6 +5669,75 @@ export interface operations {
             };
         };
     };
+    teach_concept: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewElement"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    import_concepts: {
+        parameters: {
+            query?: {
+                replace?: boolean;
+                reason?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "text/turtle": string;
+                "application/rdf+xml": string;
+                "application/owl+xml": string;
+                "application/n-triples": string;
+                "application/ld+json": string;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     forget_learned: {
         parameters: {
             query?: {
@@ -5667,6 +5752,41 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    change_learned: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                element: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ElementPatch"];
+            };
+        };
         responses: {
             200: {
                 headers: {
@@ -5727,7 +5847,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_Lock_"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -5758,7 +5878,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_Lock_"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -5788,7 +5908,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_Lock_"];
+                    "application/json": components["schemas"]["Items_Lock_"];
                 };
             };
             default: {
@@ -5967,6 +6087,10 @@ export interface operations {
                     name: string;
                 };
                 "text/turtle": string;
+                "application/rdf+xml": string;
+                "application/owl+xml": string;
+                "application/n-triples": string;
+                "application/ld+json": string;
             };
         };
         responses: {
@@ -6268,7 +6392,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_ManagerInfo_"];
+                    "application/json": components["schemas"]["ManagerInfo"][];
                 };
             };
             default: {
@@ -6353,7 +6477,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_ModuleSummary_"];
+                    "application/json": components["schemas"]["ModuleSummary"][];
                 };
             };
             default: {
@@ -6509,7 +6633,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_ModuleRunInfo_"];
+                    "application/json": components["schemas"]["Items_ModuleRunInfo_"];
                 };
             };
             default: {
@@ -6628,7 +6752,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_SkillInfo_"];
+                    "application/json": components["schemas"]["SkillInfo"][];
                 };
             };
             default: {
@@ -6684,7 +6808,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_DocumentKindInfo_"];
+                    "application/json": components["schemas"]["DocumentKinds"];
                 };
             };
             default: {
@@ -6713,7 +6837,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_DocumentInfo_"];
+                    "application/json": components["schemas"]["Documents"];
                 };
             };
             default: {
@@ -6850,7 +6974,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_DocumentInfo_"];
+                    "application/json": components["schemas"]["Documents"];
                 };
             };
             default: {
@@ -6959,7 +7083,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_TaskInfo_"];
+                    "application/json": components["schemas"]["Items_TaskInfo_"];
                 };
             };
             default: {
@@ -7134,7 +7258,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_PluginFaultInfo_"];
+                    "application/json": components["schemas"]["PluginFaultInfo"][];
                 };
             };
             default: {
@@ -7161,7 +7285,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_RobotInfo_"];
+                    "application/json": components["schemas"]["RobotInfo"][];
                 };
             };
             default: {
@@ -7311,7 +7435,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_DeviceInfo_"];
+                    "application/json": components["schemas"]["DeviceInfo"][];
                 };
             };
             default: {
@@ -7578,7 +7702,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_CellSignal_"];
+                    "application/json": components["schemas"]["CellSignal"][];
                 };
             };
             default: {
@@ -8041,7 +8165,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_Webhook_"];
+                    "application/json": components["schemas"]["Webhook"][];
                 };
             };
             default: {
@@ -8367,7 +8491,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Page_ApiKey_"];
+                    "application/json": components["schemas"]["ApiKey"][];
                 };
             };
             default: {
@@ -8541,6 +8665,64 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    check_data: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Items_DataFinding_"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    back_up_data: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BackupOrder"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Backup"];
+                };
             };
             default: {
                 headers: {
