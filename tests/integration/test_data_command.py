@@ -64,7 +64,21 @@ def test_a_backup_of_a_running_server_is_a_data_directory(tmp_path: Path) -> Non
         assert ended.returncode == 0, ended.stderr
         client.http.put("/jobs/later", json=STARTER | LATER).raise_for_status()
         assert findings(data) == []
+        assert client.data.check().items == []
+        remote = client.data.back_up("monday")
+        again = client.http.post("/data/backups", json={"name": "monday"})
+        assert (again.status_code, again.json()["code"]) == (409, "NotCopied")
+        assert client.http.post("/data/backups", json={"name": "../x"}).status_code == 422
+        (data / "halted.json").write_text("{ no such thing")
+        assert [found.file for found in client.data.check().items] == ["halted.json"]
+        (data / "halted.json").unlink()
         assert server.end() == 0
+    assert remote.folder == str(data / "backups" / "monday")
+    assert sorted(remote.files) == sorted(
+        str(f.relative_to(remote.folder)) for f in Path(remote.folder).rglob("*") if f.is_file()
+    )
+    assert findings(Path(remote.folder)) == []
+    assert not any("backups" in name for name in remote.files)
     assert {"journal.db", "jobs.db", "access.db", "webhooks.db"} <= set(json.loads(ended.stdout)["files"])
     assert not list(back.glob("*-wal"))
     assert {file.stat().st_mode & 0o77 for file in (back, *back.rglob("*"))} == {0}

@@ -17,6 +17,8 @@ from skiros_py.cli.main import cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+SERVED = ("rest.md", "ontologies.md")
+"""Pages elsewhere whose examples are for a server that runs."""
 PLUGIN = (
     ["-p", "no:dash"] if entry_points(group="pytest11", name="skiros") else ["-p", "skiros_py.testing.pytest_plugin"]
 )
@@ -29,7 +31,7 @@ def blocks(page: Path, language: str) -> list[str]:
 # Tutorials are run as a whole, in an environment of their own; examples for a server that runs have tests below.
 @pytest.mark.parametrize(
     "page",
-    [p for p in PAGES if blocks(p, "python") and p.parent.name not in ("tutorials", "rest") and p.name != "rest.md"],
+    [p for p in PAGES if blocks(p, "python") and p.parent.name not in ("tutorials", "rest") and p.name not in SERVED],
     ids=lambda p: p.name,
 )
 def test_python_examples_run_as_printed(page, tmp_path):
@@ -101,6 +103,42 @@ def test_the_world_commands_of_the_docs_work(tmp_path, monkeypatch, capsys):
         )
         assert not status, line
         assert capsys.readouterr().out or "save" in line or "diff" in line, line
+
+
+def test_the_commands_of_the_page_about_ontologies_work(tmp_path, monkeypatch, capsys):
+    page = ROOT / "docs" / "how-to" / "ontologies.md"
+    upper, catalogue = blocks(page, "xml")
+    (tmp_path / "public").mkdir()
+    (tmp_path / "tools.ttl").write_text(blocks(page, "turtle")[0], encoding="utf-8")
+    (tmp_path / "public" / "catalog-v001.xml").write_text(catalogue, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", "")
+    missing, *lines = [line for block in blocks(page, "console") for line in block.splitlines()]
+    for line in (missing, *lines):
+        if line == missing:
+            (tmp_path / "public" / "catalog-v001.xml").rename(tmp_path / "catalogue")
+        if line.startswith("$ export "):
+            for setting in line.split()[2:]:
+                monkeypatch.setenv(*setting.split("="))
+        elif line.startswith("$ "):
+            status = cli.main(args=shlex.split(line)[2:], standalone_mode=False)
+            shown = capsys.readouterr().out
+            assert bool(status) == (line == missing), shown
+        else:
+            assert line in shown
+        if line == missing:
+            (tmp_path / "public" / "upper.owl").write_text(upper, encoding="utf-8")
+            (tmp_path / "catalogue").rename(tmp_path / "public" / "catalog-v001.xml")
+
+
+def test_the_client_example_of_the_page_about_ontologies_works(tmp_path):
+    (example,) = blocks(ROOT / "docs" / "how-to" / "ontologies.md", "python")
+
+    with ServerProcess("kitting", "--fake", "--pace", "max", data=tmp_path) as server:
+        names = {}
+        with server.client() as client:
+            exec(re.sub(r"with Client\(.*\) as client:", "if True:", example), {"client": client} | names)
+            assert not client.learned.list().items
 
 
 def test_the_commands_of_the_docs_for_a_served_station_work(tmp_path, monkeypatch, capsys):

@@ -42,6 +42,7 @@ ELSEWHERE = {
     "commands.md": "test_documentation.py",
     "proxy.md": "test_rest_proxy.py",
     "world.md of docs": "test_documentation.py",
+    "ontologies.md": "test_documentation.py",
     "scenes.md of docs": "test_documentation.py",
 }
 """Pages that are run somewhere else, or cannot be run in a test."""

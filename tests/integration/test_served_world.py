@@ -115,8 +115,20 @@ def test_the_saved_scene_is_the_same_with_and_without_a_server(twins: Twins, tmp
     assert files[0].read_text(encoding="utf-8") == files[1].read_text(encoding="utf-8")
 
 
-def test_undo_and_forget_print_the_same_with_and_without_a_server_and_keep_the_author(twins: Twins) -> None:
-    for command in (["undo"], ["learned", "forget", "learned:kit_1"], ["undo"]):
+def test_writing_commands_print_the_same_with_and_without_a_server_and_keep_the_author(
+    twins: Twins, tmp_path: Path
+) -> None:
+    file = tmp_path / "taught.ttl"
+    told("world", "learned", "export", str(file), "--data", str(twins.free))
+    for command in (
+        ["undo"],
+        ["learned", "edit", "learned:kit_1", "--label", "tall"],
+        ["learned", "import", str(file), "--replace"],
+        ["learned", "forget", "learned:kit_1"],
+        ["undo"],
+        ["learned", "add", "sk:TaughtGrasp", "--set", "sk:graspWidth=0.05"],
+        ["undo"],
+    ):
         changes = [json.loads(text) for text in twins.both("world", *command, "--author", "Ægir", "--json")]
         assert [change.pop("author") for change in changes] == ["Ægir", "Ægir"]
         for change in changes:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import rdflib
 from click.testing import CliRunner, Result
 
 from skiros_py.cli.main import cli, main
@@ -171,3 +172,67 @@ def test_all_faults_are_reported_in_one_message(
         assert "in use by process" in refused("history", "--all", "--data", data)
     invoke("undo", "--data", data)
     assert "nothing to undo" in refused("undo", "--data", data)
+
+
+# ---------------------------------------------------------------- learned concepts, written
+
+
+def test_a_learned_concept_is_added_edited_and_taken_back(data: str) -> None:
+    values = ("--set", "sk:mass=0.3", "--set", "sk:appliesTo=tiny:RedBall")
+    added = answer("learned", "add", "tiny:Ball", "--label", "5", *values, "--data", data, "--author", "ann")
+    edited = invoke("learned", "edit", "learned:ball_2", "--set", "sk:mass=null", "--data", data)
+    same = invoke("learned", "edit", "learned:ball_2", "--set", "sk:mass=null", "--data", data)
+    (one,) = [e for e in answer("learned", "list", "--data", data)["learned"] if e["id"] == "learned:ball_2"]  # type: ignore[attr-defined]
+    invoke("undo", "--data", data)
+    invoke("undo", "--data", data)
+
+    assert (added["author"], added["reason"]) == ("ann", "teaches a tiny:Ball")
+    assert "- learned:ball_2 sk:mass 0.3" in edited.output
+    assert same.output == "nothing to change: it is so already\n"
+    assert (one["label"], one["properties"]) == ("5", {"sk:appliesTo": "tiny:RedBall"})
+    assert "learned:ball_2" not in invoke("learned", "list", "--data", data).output
+
+
+def test_a_concept_is_learned_from_an_element_of_the_scene(data: str) -> None:
+    result = invoke("learned", "add", "ball_1", "--like", "--label", "heavy", "--data", data)
+
+    assert "+ learned:ball_2 (tiny:" in result.output
+    assert "'heavy'" in result.output
+
+
+def test_exported_concepts_are_imported_in_another_format(data: str, tmp_path: Path) -> None:
+    file = tmp_path / "mugs.nt"
+    turtle = invoke("learned", "export", "--data", data).output
+    file.write_text(rdflib.Graph().parse(data=turtle, format="turtle").serialize(format="nt"), encoding="utf-8")
+    invoke("learned", "forget", "learned:ball_1", "--data", data)
+
+    result = invoke("learned", "import", str(file), "--data", data)
+
+    assert result.exit_code == 0
+    assert ": imports mugs.nt" in result.output
+    assert invoke("learned", "export", "--data", data).output == turtle
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("add", "tiny:Ball", "--id", "mug"), "begins with 'learned:'"),
+        (("add", "tiny:Ball", "--id", "learned:b", "--like"), "leave out 'id'"),
+        (("add", "tiny:Ball", "--set", "sk:mass=heavy"), "sk:mass"),
+        (("edit", "ball_1", "--label", "x"), "unknown learned concept 'ball_1'"),
+        (("import", "FILE"), "may speak of learned: individuals only; 'tiny:Ball' belongs into an ontology file"),
+    ],
+)
+def test_what_no_learned_concept_can_be_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    data: str,
+    tmp_path: Path,
+    arguments: tuple[str, ...],
+    says: str,
+) -> None:
+    file = tmp_path / "foreign.ttl"
+    file.write_text("@prefix tiny: <https://w3id.org/skiros-py/testing/tiny#> . tiny:Ball tiny:x 1 .", encoding="utf-8")
+
+    given = (str(file) if word == "FILE" else word for word in arguments)
+    assert says in refusal(monkeypatch, capsys, "learned", *given, "--data", data)

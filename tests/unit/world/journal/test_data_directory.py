@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from skiros_py.commits import Loss
 from skiros_py.config import ontology_paths
+from skiros_py.database_file import give_up
 from skiros_py.errors import FileError, UnknownName, WorldError
 from skiros_py.geometry import Pose
 from skiros_py.testing import TINY_ONTOLOGY, tiny_ontology, tiny_scene
@@ -61,6 +64,53 @@ def test_discarding_the_first_opening_of_a_directory_deletes_its_world(open_tiny
     assert {file.name for file in folder.iterdir()} <= {"lock"}
     with open_tiny() as again:
         assert again.journal.version == 1
+
+
+def test_a_kill_at_any_point_of_discarding_hinders_no_later_opening(
+    open_tiny: Open, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unlink = Path.unlink
+    for point in range(6):
+        data, left = open_tiny(), iter(range(point))
+        if data.journal.version == 1:
+            teach(data.world)
+
+        def killed(file: Path, left: Iterator[int] = left, **options: bool) -> None:
+            if (
+                file.parent == folder
+                and file.name.startswith(("journal.db", "learned.ttl"))
+                and next(left, None) is None
+            ):
+                raise KeyboardInterrupt
+            unlink(file, **options)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(Path, "unlink", killed)
+            with pytest.raises(KeyboardInterrupt):
+                data.discard()
+        data.close()
+
+        with open_tiny() as again:
+            assert again.world.has("ball_1")
+        shutil.rmtree(folder)
+
+
+@pytest.mark.parametrize("what", ["used", "given up"])
+def test_files_belong_to_the_owner_of_the_folder_also_if_root_makes_them(
+    open_tiny: Open, folder: Path, what: str
+) -> None:
+    folder.mkdir()
+    if os.geteuid() == 0:
+        os.chown(folder, 4711, 4711)
+    with open_tiny() as data:
+        teach(data.world)
+    if what == "given up":
+        give_up(Loss(folder / "journal.db", (), 1, 10))
+
+    owners = {file.name: (file.stat().st_uid, file.stat().st_gid) for file in folder.iterdir()}
+
+    assert {"journal.db", "journal.db-commits", "learned.ttl", "lock"} <= owners.keys()
+    assert set(owners.values()) == {(folder.stat().st_uid, folder.stat().st_gid)}
 
 
 def test_discarding_a_later_opening_keeps_the_existing_world(open_tiny: Open) -> None:

@@ -74,6 +74,20 @@ def test_an_import_without_a_file_is_refused(ontology: Ontology, tmp_path: Path)
         load_scene(ontology, tmp_path / "mine.ttl")
 
 
+def test_all_missing_imports_of_a_scene_are_named_at_once(ontology: Ontology, tmp_path: Path) -> None:
+    more = " <> owl:imports <http://example.org/one>, <http://example.org/two> .\n"
+    (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE + more)
+
+    with pytest.raises(FileError) as caught:
+        load_scene(ontology, tmp_path / "mine.ttl")
+
+    assert (
+        "imports <http://example.org/one>, <http://example.org/robots/crane>, <http://example.org/two>, which no"
+        in (caught.value.reason)
+    )
+    assert "put an ontology into a folder of SKIROS_ONTOLOGIES" in caught.value.reason
+
+
 def test_a_saved_scene_loads_as_the_same_world_and_saves_as_the_same_file(
     world: World, ontology: Ontology, tmp_path: Path
 ) -> None:
