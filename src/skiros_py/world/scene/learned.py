@@ -7,7 +7,7 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.files import open_private
-from skiros_py.world.change import Change, Edit, Writer
+from skiros_py.world.change import Change, Edit, ElementEdit, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.names import LEARNED, LEARNED_GRAPH
@@ -65,7 +65,8 @@ def import_learned(world: World, tx: Transaction, path: Path, *, replace: bool =
     for name in different:
         if tx.view.has(name):  # else it went with what it is part of
             tx.remove(name)
-    tx.apply(edit for edit in _edits(read) if edit.marks()[0] not in both - {*different})
+    kept = {name for name in both if tx.view.has(name)}
+    tx.apply(edit for edit in _edits(read) if not (isinstance(edit, ElementEdit) and edit.element in kept))
 
 
 def _edits(world: World) -> list[Edit]:

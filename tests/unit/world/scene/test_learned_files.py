@@ -136,6 +136,15 @@ def test_a_different_concept_is_refused_unless_it_is_to_be_replaced(world: World
     assert (world.element("learned:tall").label, world.has("learned:slot")) == ("taller", False)
 
 
+def test_replacing_a_concept_keeps_its_parts_that_are_the_same(world: World, tmp_path: Path) -> None:
+    imported(world, tmp_path, TALL)
+
+    imported(world, tmp_path, TALL.replace("'tall'", "'taller'"), replace=True)
+
+    assert world.element("learned:tall").label == "taller"
+    assert world.objects("learned:tall", "sk:hasA") == ("learned:slot",)
+
+
 @pytest.mark.parametrize(
     "text", ["sk:Robot rdfs:label 'mine' .", "learned:a a kitting:Kit . kitting:standard_kit sk:mass 3 ."]
 )
