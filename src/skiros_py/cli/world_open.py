@@ -10,17 +10,16 @@ from skiros_py.errors import UnknownName
 from skiros_py.station.scenes.scenes import scene_only
 from skiros_py.station.world.editing import add, change
 from skiros_py.world.change import Change, Writer
-from skiros_py.world.element import Element, Stamp, is_learned
+from skiros_py.world.element import Element, Stamp
 from skiros_py.world.journal.journal import Journal
 from skiros_py.world.journal.records import Entry
 from skiros_py.world.queries.answering import Binding, Result
 from skiros_py.world.queries.outside import OutsideQueries
 from skiros_py.world.queries.replica import Limits
-from skiros_py.world.scene.learned import import_learned, learned_turtle
+from skiros_py.world.scene.learned import import_learned, learned_names, learned_turtle
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.undo import undo
-from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ class OpenWorld:
 
     def learned(self) -> Sequence[Element]:
         """Returns the learned concepts."""
-        return [self._world.element(name) for name in self._learned()]
+        return [self._world.element(name) for name in learned_names(self._world)]
 
     def forget(self, concept: str, author: str) -> Change:
         """Deletes a learned concept with its parts."""
@@ -138,9 +137,6 @@ class OpenWorld:
         return self._world.transaction(author, reason, writer=Writer.PERSON)
 
     def _check_learned(self, concept: str) -> None:
-        known = self._learned()
+        known = learned_names(self._world)
         if concept not in known:
             raise UnknownName("learned concept", concept, known)
-
-    def _learned(self) -> list[str]:
-        return [name for name in self._world.abstracts(ELEMENT) if is_learned(name)]

@@ -20,7 +20,7 @@ from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change, SourceEdit
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
-from skiros_py.world.scene.learned import import_learned, learned_turtle
+from skiros_py.world.scene.learned import import_learned, learned_names, learned_turtle
 from skiros_py.world.undo import redo, undo
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 
@@ -224,7 +224,7 @@ class WorldService(Service):
     def learned(self, limit: int = 100, after: str = "") -> api.LearnedPage:
         """Lists the concepts taught to robots, by id."""
         view = self._world.snapshot()
-        names = [name for name in _learned(view) if name > after]
+        names = [name for name in learned_names(view) if name > after]
         shown = names[:limit]
         return api.LearnedPage(
             items=[_learned_view(view, name) for name in shown], next=shown[-1] if len(names) > limit else None
@@ -295,7 +295,7 @@ class WorldService(Service):
         view = self._world.snapshot()
         with addressed():
             if not (is_learned(element) and view.has(element)):
-                raise UnknownName("learned concept", element, _learned(view))
+                raise UnknownName("learned concept", element, learned_names(view))
 
     def learned_turtle(self) -> str:
         """Returns all learned concepts as Turtle."""
@@ -346,10 +346,6 @@ def _expected(order: TransactionOrder, seen: Seen | None) -> dict[str, int]:
             "VersionMissing", 'say what you have seen: {"expects": {"starter_1": 17}}, or the world\'s If-Match'
         )
     return order.expects
-
-
-def _learned(view: Index) -> list[str]:
-    return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
 def _learned_view(view: Index, name: str) -> api.Learned:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
+from typing import Any
 
 import pyoxigraph as ox
 
@@ -127,7 +128,10 @@ class Document:
     def __reduce__(self) -> tuple[Callable[..., Document], tuple[object, ...]]:
         # Ten times faster than triple by triple.
         packed = ox.serialize(self.triples, format=ox.RdfFormat.N_TRIPLES)
-        return _unpacked, (self.path, self.text, self.iri, self.prefixes, packed, self.spelling, self.aliases)
+        return _unpacked, (
+            packed,
+            {each.name: getattr(self, each.name) for each in fields(self) if each.name != "triples"},
+        )
 
 
 def read_document(path: Path) -> Document:
@@ -205,17 +209,9 @@ def _declared_iri(triples: tuple[ox.Triple, ...]) -> str | None:
     return None
 
 
-def _unpacked(
-    path: Path,
-    text: str,
-    iri: str,
-    prefixes: Mapping[str, str],
-    packed: bytes,
-    spelling: Spelling,
-    aliases: tuple[str, ...],
-) -> Document:
+def _unpacked(packed: bytes, others: Mapping[str, Any]) -> Document:
     triples = tuple([quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)])
-    return Document(path, text, iri, prefixes, triples, spelling, aliases)
+    return Document(**others, triples=triples)
 
 
 # ---------------------------------------------------------------- the common prefix table

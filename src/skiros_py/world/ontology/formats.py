@@ -184,7 +184,7 @@ _SINGLE_QUOTED = re.compile(r"(<!ENTITY\s+[^\s'\"]+\s+)'([^'\"]*)'")
 def parse_text(
     path: Path, text: str, base: str, language: ox.RdfFormat = ox.RdfFormat.TURTLE
 ) -> tuple[dict[str, str], tuple[ox.Triple, ...]]:
-    """Returns the prefixes and the statements of a text in Turtle, N-Triples or JSON-LD.
+    """Returns the prefixes and the statements of a text in Turtle, RDF/XML, N-Triples or JSON-LD.
 
     Raises:
         FileError: It is none; with the line.
@@ -216,13 +216,7 @@ def parse_xml(path: Path, text: str, base: str, outline: XmlOutline) -> tuple[ox
         return parse_owl_xml(path, text)
     if outline.root != _RDF_XML:
         raise FileError(path, f"is neither RDF/XML nor OWL/XML: its outermost element is <{outline.root}>")
-    parser = ox.parse(_readable(text, outline), format=ox.RdfFormat.RDF_XML, base_iri=base, rename_blank_nodes=True)
-    try:
-        return tuple([quad.triple for quad in parser])
-    except SyntaxError as error:
-        raise FileError(path, f"not RDF/XML: {error.msg[:300]}") from None
-    except MemoryError:
-        raise FileError(path, _TOO_LONG) from None
+    return parse_text(path, _readable(text, outline), base, ox.RdfFormat.RDF_XML)[1]
 
 
 def _readable(text: str, outline: XmlOutline) -> str:

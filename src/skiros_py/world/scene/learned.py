@@ -17,14 +17,20 @@ from skiros_py.world.scene.files import fill, write_atomically
 from skiros_py.world.scene.reader import Reader
 from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
+
+
+def learned_names(view: WorldView) -> list[str]:
+    """Returns the ids of all learned concepts, sorted."""
+    return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
 def learned_turtle(view: Index) -> str:
     """Returns the learned data of a state as Turtle text; equal states give equal texts."""
     writer = TurtleWriter(view)
-    return writer.file(LEARNED_GRAPH, writer.elements(_learned(view)))
+    return writer.file(LEARNED_GRAPH, writer.elements(learned_names(view)))
 
 
 def read_learned(ontology: Ontology, path: Path) -> World:
@@ -57,7 +63,7 @@ def import_learned(world: World, tx: Transaction, path: Path, *, replace: bool =
     """
     read = read_learned(world.ontology, path)
     known, new = world.snapshot(), read.snapshot()
-    both = {name for name in _learned(new) if known.has(name)}
+    both = {name for name in learned_names(new) if known.has(name)}
     different = sorted(name for name in both if _described(known, name) != _described(new, name))
     if different and not replace:
         names = ", ".join(different)
@@ -76,10 +82,6 @@ def _edits(world: World) -> list[Edit]:
 def _described(view: Index, name: str) -> tuple[object, ...]:
     """An element with its placement and the relations that are stated of it."""
     return view.element(name), [said for said in view.statements_about(name) if said[0] == name]
-
-
-def _learned(view: Index) -> list[str]:
-    return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
 # ---------------------------------------------------------------- the file
@@ -149,7 +151,7 @@ class LearnedFile:
     def _mirror(self, world: World) -> None:
         view = world.snapshot()
         there = self.path.exists()
-        if not there and not _learned(view):
+        if not there and not learned_names(view):
             return
         text = learned_turtle(view)
         try:
