@@ -41,6 +41,8 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from pathlib import Path
 
+from skiros_py.messages import Message, joined
+
 
 def escaped(text: str) -> str:
     r"""Returns a line in which everything that cannot be printed is written out, as in ``\x1b`` or ``\n``.
@@ -82,16 +84,20 @@ class UnknownName(UsageError):
         self.kind = kind
         self.name = name
         given = str(name)[:_LONGEST_SHOWN]
-        place = f" {where[:_LONGEST_SHOWN]}" if where else ""
         names = known if isinstance(known, Mapping | AbstractSet) else sorted(known)
         many = len(names) > _MANY
         self.known = tuple(sorted(_alike(given, names) if many else names))
         self.nearest = _nearest(given, self.known)
-        hint = f" Did you mean '{self.nearest}'?" if self.nearest else ""
+        said = {"kind": kind, "name": given if len(str(name)) <= len(given) else f"{given}…"}
+        text = Message("unknown {kind} '{name}'.", **said)
+        if where:
+            text = Message("unknown {kind} '{name}' {where}.", where=where[:_LONGEST_SHOWN], **said)
+        hint = [Message("Did you mean '{name}'?", name=self.nearest)] if self.nearest else []
         shown = ", ".join(self.known[:20]) + (", …" if many or len(self.known) > 20 else "")
-        there_is = f" Known: {shown}." if self.known else f" None of {len(names)} is like it." if many else _NONE
-        cut = "…" if len(str(name)) > len(given) else ""
-        super().__init__(f"unknown {kind} '{given}{cut}'{place}.{hint}{there_is}")
+        there_is = Message("Known: {names}.", names=shown)
+        if not self.known:
+            there_is = Message("None of {count} is like it.", count=len(names)) if many else Message("There is none.")
+        super().__init__(joined(" ", [text, *hint, there_is]))
 
 
 class NotFound(UnknownName):
@@ -116,7 +122,6 @@ _MANY = 1000
 _TOO_MANY = 20_000
 """Maximum number of names that are iterated: that takes 10 ms."""
 _LONGEST_SHOWN = 100
-_NONE = " There is none."
 
 
 def _nearest(name: str, known: Iterable[str]) -> str | None:
@@ -249,7 +254,7 @@ class FileError(SkirosError):
         self.line = line
         self.reason = reason
         where = f"{path}:{line}" if line else f"{path}"
-        super().__init__(f"{where}: {reason}")
+        super().__init__(joined(": ", (where, reason)))
 
 
 class DiskFault(FileError):
@@ -295,7 +300,7 @@ class DescriptionError(SkirosError):
     def __init__(self, text: str, place: str = "") -> None:
         self.text = text
         self.place = place
-        super().__init__(f"{place}: {text}" if place else text)
+        super().__init__(joined(": ", (place, text)) if place else text)
 
 
 class ModuleError(SkirosError):

@@ -206,7 +206,8 @@ def test_a_preview_without_a_plan_offers_repairs_that_make_a_plan_possible(api, 
     (repair, *_) = (one for one in preview["repairs"] if one["applicable"])
     before = world.version
     applied = api.post(f"/previews/{preview['id']}/repairs/{repair['id']}/apply").json()
-    assert applied == {"text": repair["text"], "world": before + 1}
+    assert (applied["text"], applied["world"]) == (repair["text"], before + 1)
+    assert applied["texts"][applied["text"]] == preview["texts"][repair["text"]]
     assert (world.changes[-1].author, world.version) == ("local", before + 1)
     assert planned(api, KIT)["state"] == "planned"
 

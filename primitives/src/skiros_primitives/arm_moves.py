@@ -13,6 +13,7 @@ from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message, listed
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import (
     ArmPlanner,
@@ -181,10 +182,12 @@ class ArmPrimitive(Primitive[Any]):
         told: tuple[str, ...] = ()
         while there := self.context.floor.stretch(self.params.arm, outline):
             if self.context.now >= deadline:
-                return NoMotion(f"waited {_COURTESY:g} s for {' and '.join(there)} to drive past")
+                return NoMotion(
+                    Message("waited {seconds:g} s for {robots} to drive past", seconds=_COURTESY, robots=listed(there))
+                )
             if there != told:
                 told = there
-                self.progress(1, f"waits for {' and '.join(there)} to drive past")
+                self.progress(1, Message("waits for {robots} to drive past", robots=listed(there)))
             yield
         return None
 
@@ -219,7 +222,13 @@ class ArmPrimitive(Primitive[Any]):
             yield
         off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))
         if off > _ARRIVED:
-            return NoMotion(f"{self.params.arm} stopped {math.degrees(off):.1f} deg short: something is in its way")
+            return NoMotion(
+                Message(
+                    "{arm} stopped {off:.1f} deg short: something is in its way",
+                    arm=self.params.arm,
+                    off=math.degrees(off),
+                )
+            )
         return None
 
     def go_straight(self, goal: Sequence[float]) -> Execution[NoMotion | None]:

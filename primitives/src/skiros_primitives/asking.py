@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+from skiros_py.messages import Message
 from skiros_py.skills.context import QuestionKind
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Output, param
@@ -26,7 +27,7 @@ class AskingPrimitive(Primitive[Any]):
     def start(self) -> Failure | None:
         """Fails at once if no user interface could show the question."""
         if not self.context.questions.heard:
-            return Failure(f"{self.name}: there is no one to answer; run it where a person watches")
+            return Failure(Message("{name}: there is no one to answer; run it where a person watches", name=self.name))
         return None
 
     def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...]) -> Execution[str | Failure]:
@@ -41,8 +42,8 @@ class AskingPrimitive(Primitive[Any]):
         finally:
             questions.withdraw(asked)
         if asked.answer is None:
-            return Failure(f"no answer within {patience:g} s: {text}")
-        self.progress(2, f"{asked.by} answered: {asked.answer}")
+            return Failure(Message("no answer within {seconds:g} s: {text}", seconds=patience, text=text))
+        self.progress(2, Message("{by} answered: {answer}", by=asked.by, answer=asked.answer))
         return asked.answer
 
 
@@ -61,9 +62,9 @@ class Choose(AskingPrimitive):
     def start(self) -> Failure | None:
         """Checks that there are options, and that each could be stored."""
         if len(set(self.options)) < 2 or len(set(self.options)) < len(self.options):
-            return Failure(f"options: give two or more that differ, not {list(self.options)}")
+            return Failure(Message("options: give two or more that differ, not {options}", options=list(self.options)))
         if (self.element is None) != (self.property is None):
-            return Failure("element and property: the choice is written to both together, give both or none")
+            return Failure(Message("element and property: the choice is written to both together, give both or none"))
         return self._unwritable() or super().start()
 
     def execute(self) -> Execution[Outcome]:
@@ -73,7 +74,9 @@ class Choose(AskingPrimitive):
             return answer
         element, property_ = self.element, self.property
         if element is not None and property_ is not None:
-            with self.world.transaction(author=self.name, reason=f"a person chose {answer}") as tx:
+            with self.world.transaction(
+                author=self.name, reason=Message("a person chose {answer}", answer=answer)
+            ) as tx:
                 tx.set(element, property_, self._value(property_, answer))
         return Success(answer, {"answer": answer})
 
@@ -82,13 +85,20 @@ class Choose(AskingPrimitive):
         if property_ is None:
             return None
         if property_ not in self.world.ontology.properties:
-            return Failure(f"property: there is no property '{property_}'")
+            return Failure(Message("property: there is no property '{property}'", property=property_))
         for option in self.options:
             try:
                 self._value(property_, option)
             except ValueError:
                 says = DATATYPES[self.world.ontology.properties[property_].range].says
-                return Failure(f"option '{option}' cannot be written as {property_}: it needs {says}")
+                return Failure(
+                    Message(
+                        "option '{option}' cannot be written as {property}: it needs {says}",
+                        option=option,
+                        property=property_,
+                        says=says,
+                    )
+                )
         return None
 
     def _value(self, property_: str, answer: str) -> Value:
@@ -109,7 +119,11 @@ class Confirm(AskingPrimitive):
         answer = yield from self.ask(QuestionKind.CONFIRM, self.question, ("yes", "no"))
         if isinstance(answer, Failure):
             return answer
-        return Success("yes") if answer == "yes" else Failure(f"a person said no: {self.question}")
+        return (
+            Success("yes")
+            if answer == "yes"
+            else Failure(Message("a person said no: {question}", question=self.question))
+        )
 
 
 _DONE, _CANNOT = "done", "cannot"
@@ -128,26 +142,40 @@ class Refill(AskingPrimitive):
     def start(self) -> Failure | None:
         """Checks that the thing can be requested."""
         if not self.world.ontology.is_a(self.what, v.MANIPULATABLE):
-            return Failure(f"what: {self.what} is no {v.MANIPULATABLE}, so a person cannot bring it")
+            return Failure(
+                Message(
+                    "what: {what} is no {kind}, so a person cannot bring it",
+                    what=self.what,
+                    kind=v.MANIPULATABLE,
+                )
+            )
         if self.count < 1:
-            return Failure(f"count: one or more, not {self.count}")
+            return Failure(Message("count: one or more, not {count}", count=self.count))
         return super().start()
 
     def execute(self) -> Execution[Outcome]:
         """Asks, and takes the answer as true until a look contradicts it."""
         place, count = self.place, self.count
-        text = f"Bring {count} x {local_name(self.what)} to {self.world.element(place).label} ({place})"
+        text = Message(
+            "Bring {count} x {what} to {label} ({place})",
+            count=count,
+            what=local_name(self.what),
+            label=self.world.element(place).label,
+            place=place,
+        )
         answer = yield from self.ask(QuestionKind.REFILL, text, (_DONE, _CANNOT))
         if isinstance(answer, Failure):
             return answer
         if answer != _DONE:
-            return Failure(f"a person cannot do this: {text}")
-        with self.world.transaction(author=self.name, reason=f"a person brought {count} x {self.what}") as tx:
+            return Failure(Message("a person cannot do this: {text}", text=text))
+        with self.world.transaction(
+            author=self.name, reason=Message("a person brought {count} x {what}", count=count, what=self.what)
+        ) as tx:
             for thing in self.world.subjects(v.IN, place):  # the person may have moved what was there
                 if self.world.ontology.is_a(self.world.element(thing).type, v.MANIPULATABLE):
                     forget_looks(tx, thing)
             self._bring(tx)
-        return Success(f"{place} was refilled")
+        return Success(Message("{place} was refilled", place=place))
 
     def _bring(self, tx: Transaction) -> None:
         """Adds what was brought: first as the missing things of its class, which looks identify; the rest is new."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import shapely
@@ -13,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from skiros_primitives import floor_obstacles
 from skiros_primitives.floor_obstacles import driving, reach
 from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
@@ -76,7 +78,7 @@ class DrivingPrimitive(Primitive[Any]):
             if reached > driven:
                 leg, legs = int(reached) + 1, len(path.legs)
                 if (leg > int(driven) + 1 or driven < 0.0) and leg <= legs:
-                    self.progress(leg, f"leg {leg} of {legs}")
+                    self.progress(leg, Message("leg {leg} of {legs}", leg=leg, legs=legs))
                 driven, deadline = reached, self.context.now + _PATIENCE
             elif self.context.now >= deadline:
                 return driven
@@ -108,6 +110,12 @@ _LOOK_AGAIN = 5.0
 """Longest time between two plans while another robot blocks the way [s]."""
 _IDLE = 8.0
 """How long a robot that nothing runs on is waited for [s]."""
+_OBSTRUCTED = {
+    "busy": partial(Message, "waited {seconds:g} s for {robots}", seconds=_COURTESY),
+    "no room": partial(Message, "there is no room to give way, neither for it nor for {robots}"),
+    "idle": partial(Message, "{robots} stands there, and nothing moves it"),
+}
+"""Why there is no way, by what the other robots do."""
 _APART = 0.02
 """Distance between two robots that both deviate from their paths by the maximum [m]."""
 
@@ -141,7 +149,9 @@ class DriveBase(DrivingPrimitive):
         while True:
             path = yield from self._plan(goal, outline)
             if isinstance(path, NoMotion):
-                return Failure(f"no way to {self.params.location}: {path.reason}")
+                return Failure(
+                    Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
+                )
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
@@ -158,14 +168,16 @@ class DriveBase(DrivingPrimitive):
         if stuck is None:
             return self._arrived(self.pose, goal)
         leg, legs = int(stuck) + 1, len(path.legs)
-        place = f"on leg {leg} of {legs} to" if leg <= legs else "while turning at"
-        return Failure(f"stuck {place} {self.params.location}")
+        location = self.params.location
+        if leg <= legs:
+            return Failure(Message("stuck on leg {leg} of {legs} to {location}", leg=leg, legs=legs, location=location))
+        return Failure(Message("stuck while turning at {location}", location=location))
 
     def _goal(self) -> Pose | Failure:
         location = self.params.location
         place, driving = map_pose(self.context, location), self.world.value(location, v.DRIVING_POSE)
         if place is None or not isinstance(driving, Pose):
-            return Failure(f"{location} has no driving pose: teach one")
+            return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
 
     def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion]:
@@ -214,14 +226,14 @@ class DriveBase(DrivingPrimitive):
             self._tell(way.waits_for())
             now = self.context.now
             if now >= deadline:
-                return self._obstructed(way.waits_for(), f"waited {_COURTESY:g} s for", "busy")
+                return self._obstructed(way.waits_for(), "busy")
             if deadlocked := way.deadlock():
-                return self._obstructed(deadlocked, "there is no room to give way, neither for it nor for", "no room")
+                return self._obstructed(deadlocked, "no room")
             idle = way.idle()
             if not idle:
                 self._in_use = now
             if now >= self._in_use + _IDLE:
-                return self._obstructed(idle, "nobody moves the robot in the way,", "idle")
+                return self._obstructed(idle, "idle")
             area = way.to_leave()
             if area is not None:
                 aside = yield from self._aside(area, outline)
@@ -236,11 +248,14 @@ class DriveBase(DrivingPrimitive):
     def _driving(self) -> list[str]:
         return driving(self.context, self.params.robot)
 
-    def _obstructed(self, robots: Iterable[str], why: str, cause: str) -> Failure:
+    def _obstructed(self, robots: Iterable[str], cause: str) -> Failure:
         """Returns a failure because of other robots, with who they are and what they do as data."""
         others = list(dict.fromkeys(robots))
-        reason = f"no way to {self.params.location}: {why} {' and '.join(others)}"
-        return Failure(reason, OBSTRUCTED, {"blocked_by": others, "cause": cause})
+        why = self._no_way(_OBSTRUCTED[cause](robots=listed(others)))
+        return replace(why, code=OBSTRUCTED, values={"blocked_by": others, "cause": cause})
+
+    def _no_way(self, why: str) -> Failure:
+        return Failure(Message("no way to {location}: {reason}", location=self.params.location, reason=why))
 
     def _aside(self, area: BaseGeometry, outline: Outline) -> Execution[Path | None]:
         """Finds a path to where the robot does not stand on an area; None if there is none."""
@@ -255,20 +270,22 @@ class DriveBase(DrivingPrimitive):
 
     def _give_way(self, base: Mobile, path: Path, outline: Outline, deadline: float) -> Execution[Failure | None]:
         """Drives to where the robot is in nobody's way; returns why it does not get there."""
-        self.progress(1, f"makes room for {self._waits_for}")
+        self.progress(1, Message("makes room for {robots}", robots=self._waits_for))
         with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
             found = yield from self._wait_until_free(way, outline, deadline)
             if not way.free:
                 return found if isinstance(found, Failure) else None
             self.leave("makes room for another robot")
             stuck = yield from self.drive(base, path, way)
-        return None if stuck is None else Failure(f"stuck while it made room for {self._waits_for}")
+        return (
+            None if stuck is None else Failure(Message("stuck while it made room for {robots}", robots=self._waits_for))
+        )
 
     def _tell(self, robots: Iterable[str]) -> None:
-        waits_for = " and ".join(dict.fromkeys(robots))
+        waits_for = listed(dict.fromkeys(robots))
         if waits_for != self._waits_for:
             self._waits_for = waits_for
-            self.progress(1, f"waits for {waits_for} to clear the way")
+            self.progress(1, Message("waits for {robots} to clear the way", robots=waits_for))
 
     def _spec(self) -> MobileSpec[Any, Any]:
         return Mobile(self.context.board, self.params.base).spec
@@ -278,9 +295,18 @@ class DriveBase(DrivingPrimitive):
         turned = abs(wrap_angle(pose.yaw - goal.yaw))
         location = self.params.location
         if distance > _ARRIVED or turned > _FACING:
-            return Failure(f"stopped {distance:.3f} m and {math.degrees(turned):.1f} deg off {location}")
+            return Failure(
+                Message(
+                    "stopped {distance:.3f} m and {turned:.1f} deg off {location}",
+                    distance=distance,
+                    turned=math.degrees(turned),
+                    location=location,
+                )
+            )
         placement = self.world.placement(self.params.robot)
         if placement is None or placement.place != location:
-            with self.world.transaction(author=self.name, reason=f"localised {distance * 1e3:.0f} mm off") as tx:
+            with self.world.transaction(
+                author=self.name, reason=Message("localised {distance:.0f} mm off", distance=distance * 1000.0)
+            ) as tx:
                 tx.place(self.params.robot, v.AT, location)
-        return Success(f"at {location}")
+        return Success(Message("at {location}", location=location))

@@ -12,6 +12,7 @@ from skiros_primitives.part_models import grasp_of, level
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -53,14 +54,14 @@ class Grasp(HandlingPrimitive):
         """Approaches, closes, lifts, checks the grasp."""
         part_pose = map_pose(self.context, self.params.part)
         if part_pose is None:
-            return Failure(f"{self.params.part} has no exact pose yet")
+            return Failure(Message("{part} has no exact pose yet", part=self.params.part))
         grasp = grasp_of(self.world, self.params.part)
         place = self.world.placement(self.params.part)
         touching = {self.params.part, *([place.place] if place else [])}
         tools = (level(part_pose) @ pose for pose in grasp.poses)
         planned = yield from self.plan(self.routes(tools, touching))
         if isinstance(planned, NoMotion):
-            return Failure(f"{self.params.part} cannot be reached: {planned.reason}")
+            return Failure(Message("{part} cannot be reached: {reason}", part=self.params.part, reason=planned.reason))
         return (yield from self._take(planned, part_pose, grasp))
 
     def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData) -> Execution[Outcome]:
@@ -84,7 +85,7 @@ class Grasp(HandlingPrimitive):
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
             tx.place(self.params.part, HELD_BY, self.params.gripper)
             write_pose(tx, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
-        return Success(f"holds {self.params.part}: {_felt(gripper.state)}")
+        return Success(Message("holds {part}: {state}", part=self.params.part, state=_felt(gripper.state)))
 
     def recover(self) -> Execution[None]:
         """Opens at the bottom and retracts along the checked line; a part being lifted is put back first."""
@@ -100,7 +101,7 @@ class Grasp(HandlingPrimitive):
     def _let_go(self, gripper: Gripper, grasp: GraspData, up: Trajectory) -> Execution[Outcome]:
         """Puts down whatever is between the fingers and opens; the part then has to be located again."""
         felt = _felt(gripper.state)
-        with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
+        with self.world.transaction(author=self.name, reason=Message("grasp failed: {felt}", felt=felt)) as tx:
             write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(_reversed(up))
@@ -108,7 +109,12 @@ class Grasp(HandlingPrimitive):
         yield from self.open_wide(gripper)
         yield from self.recover()
         return Failure(
-            f"{self.params.part} is not in the gripper after the lift: {felt}, expected {grasp.width * 1e3:.0f}"
+            Message(
+                "{part} is not in the gripper after the lift: {felt}, expected {width:.0f}",
+                part=self.params.part,
+                felt=felt,
+                width=grasp.width * 1000.0,
+            )
         )
 
 
@@ -117,4 +123,4 @@ def _reversed(way: Trajectory) -> Trajectory:
 
 
 def _felt(state: GripperState) -> str:
-    return f"gap {state.gap * 1e3:.0f} mm, force {state.force:.0f} N"
+    return Message("gap {gap:.0f} mm, force {force:.0f} N", gap=state.gap * 1000.0, force=state.force)

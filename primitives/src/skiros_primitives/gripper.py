@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState, GripperTarget
+from skiros_py.messages import Message
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -67,7 +68,7 @@ class GripperControl(Primitive[Any]):
         gap = spec.max_gap if self.gap is None else self.gap
         force = firm_force(spec) if self.force is None else self.force
         state = yield from move_fingers(self.context, gripper, gap, force)
-        return Success(f"gap {state.gap * 1e3:.0f} mm")
+        return Success(Message("gap {gap:.0f} mm", gap=state.gap * 1000.0))
 
 
 _TOLERANCE = 0.008
@@ -106,7 +107,7 @@ class WatchGrasp(Primitive[Any]):
         return None
 
     def _write(self, part: str, gap: float) -> None:
-        reason = f"the fingers closed to {gap * 1e3:.0f} mm: {part} slipped out"
+        reason = Message("the fingers closed to {gap:.0f} mm: {part} slipped out", gap=gap * 1000.0, part=part)
         with self.world.transaction(author=self.name, reason=reason) as tx:
             tx.place(part, ON, self.world.instances(FLOOR)[0])
             write_pose(tx, part, None)

@@ -15,6 +15,7 @@ from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_home
 from skiros_primitives.driving import DrivingPrimitive
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import JointMove, LineMove, NoMotion, Obstacle
@@ -52,7 +53,13 @@ class JogJoints(ArmPrimitive):
         joints, deltas = self.arm.spec.joints, self.params.deltas
         if len(deltas) != len(joints):
             return Failure(
-                f"deltas: {self.params.arm} has {len(joints)} joints ({', '.join(joints)}), not {len(deltas)}"
+                Message(
+                    "deltas: {arm} has {count} joints ({joints}), not {given}",
+                    arm=self.params.arm,
+                    count=len(joints),
+                    joints=", ".join(joints),
+                    given=len(deltas),
+                )
             )
         return None
 
@@ -61,10 +68,14 @@ class JogJoints(ArmPrimitive):
         goal = tuple(at + delta for at, delta in zip(self.arm.state.positions, self.params.deltas, strict=True))
         refusal = yield from self._go(goal) if self.is_planned else self.go_straight(goal)
         if refusal is not None:
-            return Failure(f"{self.params.arm} cannot turn so: {refusal.reason}")
+            return Failure(Message("{arm} cannot turn so: {reason}", arm=self.params.arm, reason=refusal.reason))
         ways = zip(self.arm.spec.joints, self.params.deltas, strict=True)
-        turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
-        return Success(f"turned {', '.join(turned)}" if turned else "nothing to turn")
+        turned = [
+            Message("{joint} by {delta:.3f} rad", joint=joint, delta=delta)
+            for joint, delta in ways
+            if abs(delta) >= _SHOWN
+        ]
+        return Success(Message("turned {turned}", turned=", ".join(turned)) if turned else "nothing to turn")
 
     def _go(self, goal: tuple[float, ...]) -> Execution[NoMotion | None]:
         planned = yield from self.plan([(JointMove(goal),)], speed=UNPLANNED_SPEED)
@@ -127,16 +138,24 @@ class JogTool(ArmPrimitive):
         way, turn = math.hypot(*self.params.translation), math.hypot(*self.params.rotation)
         if way > _TOOL_FARTHEST or turn > _TURN:
             return Failure(
-                f"one step is at most {_TOOL_FARTHEST:g} m and {_TURN:g} rad long, not {way:.3g} m and {turn:.3g} rad"
+                Message(
+                    "one step is at most {longest:g} m and {widest:g} rad long, not {way:.3g} m and {turn:.3g} rad",
+                    longest=_TOOL_FARTHEST,
+                    widest=_TURN,
+                    way=way,
+                    turn=turn,
+                )
             )
         if not self.is_planned:
-            return Failure("there is no planner for the arm: jog the joints instead")
+            return Failure(Message("there is no planner for the arm: jog the joints instead"))
         frame = self.params.frame
         if frame not in ("tool", "base", "map"):
             if not self.world.has(frame):
-                return Failure(f"frame: there is no element '{frame}'; else it is tool, base or map")
+                return Failure(
+                    Message("frame: there is no element '{frame}'; else it is tool, base or map", frame=frame)
+                )
             if map_pose(self.context, frame) is None:
-                return Failure(f"frame: the position of {frame} is unknown")
+                return Failure(Message("frame: the position of {frame} is unknown", frame=frame))
         return None
 
     def execute(self) -> Execution[Outcome]:
@@ -145,7 +164,9 @@ class JogTool(ArmPrimitive):
         line = LineMove(self._goal(tool), speed=_TOOL_SPEED, touching=self._touching())
         refusal = yield from self.go([(line,)], speed=_SHARE)
         if refusal is not None:
-            return Failure(f"{self.params.arm} cannot move its tool so: {refusal.reason}")
+            return Failure(
+                Message("{arm} cannot move its tool so: {reason}", arm=self.params.arm, reason=refusal.reason)
+            )
         tool = self.tool_pose()
         return Success("at {:.3f} {:.3f} {:.3f} m in the map".format(*tool.position))
 
@@ -204,10 +225,14 @@ class JogBase(DrivingPrimitive):
         """Checks that the step is small and the arms are in their travelling posture."""
         way = math.hypot(self.params.dx, self.params.dy)
         if way > _FARTHEST:
-            return Failure(f"one step is at most {_FARTHEST:g} m long, not {way:.3g} m")
+            return Failure(
+                Message("one step is at most {longest:g} m long, not {way:.3g} m", longest=_FARTHEST, way=way)
+            )
         stretched = [arm.id for arm in self._robot.of(ArmSpec) if not is_home(self.context, arm)]
         if stretched:
-            return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")
+            return Failure(
+                Message("{arms} is stretched out: bring it home before the base moves", arms=", ".join(stretched))
+            )
         return None
 
     def execute(self) -> Execution[Outcome]:
@@ -216,16 +241,20 @@ class JogBase(DrivingPrimitive):
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
         path = base.direct_path(before, goal)
         if touched := self._touched(before, path):
-            return Failure(f"{self.params.base} would touch {touched}")
+            return Failure(Message("{base} would touch {touched}", base=self.params.base, touched=touched))
         with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
             if not way.free:
-                return Failure(f"{' and '.join(way.waits_for())} is in the way")
+                return Failure(Message("{robots} is in the way", robots=listed(way.waits_for())))
             self.leave("is moved by hand")
             stuck = yield from self.drive(base, path, way, max_linear=_BASE_SPEED, max_angular=_TURNING)
         step = before.inverse() @ self.pose
         x, y, _ = step.position
-        said = f"by {x:.3f} m ahead, {y:.3f} m to the left and {step.yaw:.3f} rad"
-        return Success(f"moved {said}") if stuck is None else Failure(f"{self.params.base} is stuck: it moved {said}")
+        said = Message("by {x:.3f} m ahead, {y:.3f} m to the left and {yaw:.3f} rad", x=x, y=y, yaw=step.yaw)
+        return (
+            Success(Message("moved {said}", said=said))
+            if stuck is None
+            else Failure(Message("{base} is stuck: it moved {said}", base=self.params.base, said=said))
+        )
 
     @property
     def _robot(self) -> RobotSpec:

@@ -14,6 +14,7 @@ from typing import ClassVar
 from skiros_primitives.looking import LookingParams, LookingPrimitive, support_region
 from skiros_primitives.part_models import part_models
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.ports.motion import NoMotion
 from skiros_py.ports.perception import Detection, DetectionResult
 from skiros_py.skills.context import RunContext
@@ -124,14 +125,14 @@ class Locate(LookingPrimitive):
             return Failure(region)
         clear_looks, why = 0, ""
         for attempt in range(1, _MISSES + 2):
-            self.progress(attempt, f"look {attempt} at {self.params.place}")
+            self.progress(attempt, Message("look {attempt} at {place}", attempt=attempt, place=self.params.place))
             x, y, _ = region.pose.position
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
                 return Failure(look.reason)
             seen = self._write(look)
             if self.params.part in seen:
-                return Success(f"{self.params.part} is there; {len(seen)} parts seen")
+                return Success(Message("{part} is there; {seen} parts seen", part=self.params.part, seen=len(seen)))
             clear_looks += look.visible >= _CLEAR
             why = self._not_seen(look)
             if clear_looks >= _MISSES:
@@ -144,7 +145,7 @@ class Locate(LookingPrimitive):
         found = associate(self.context, self.params.place, types, look.detections)
         clear = look.visible >= _CLEAR and look.surface is not None
         seen: set[str] = set()
-        with self.world.transaction(author=self.name, reason=f"look at {self.params.place}") as tx:
+        with self.world.transaction(author=self.name, reason=Message("look at {place}", place=self.params.place)) as tx:
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(v.IN, self.params.place))
                 write_pose(tx, part, pose)
@@ -175,9 +176,21 @@ class Locate(LookingPrimitive):
     def _not_seen(self, look: DetectionResult) -> str:
         part, place = self.params.part, self.params.place
         if look.surface is None:
-            return f"{part} not found: no surface seen where {place} should be"
+            return Message("{part} not found: no surface seen where {place} should be", part=part, place=place)
         if look.visible < _CLEAR:
-            return f"{part} not found in {place}: something hides {100 * (1 - look.visible):.0f} % of it"
+            return Message(
+                "{part} not found in {place}: something hides {percent:.0f} % of it",
+                part=part,
+                place=place,
+                percent=100 * (1 - look.visible),
+            )
         if any(d.type is None for d in look.detections):
-            return f"{part} not found in {place}: something lies there whose shape is not known"
-        return f"{part} not found in {place}: expected, but not seen in {_MISSES} clear looks"
+            return Message(
+                "{part} not found in {place}: something lies there whose shape is not known", part=part, place=place
+            )
+        return Message(
+            "{part} not found in {place}: expected, but not seen in {misses} clear looks",
+            part=part,
+            place=place,
+            misses=_MISSES,
+        )

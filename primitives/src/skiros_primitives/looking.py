@@ -11,6 +11,7 @@ from skiros_primitives.part_models import downward, part_models
 from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid
+from skiros_py.messages import Message
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import NoMotion, PoseMove
 from skiros_py.ports.perception import (
@@ -38,7 +39,7 @@ def support_region(context: RunContext, place: str) -> Region | str:
     pose = map_pose(context, place)
     half, offset = context.world.value(place, v.SUPPORT_HALF_EXTENTS), context.world.value(place, v.SUPPORT_OFFSET)
     if pose is None or not isinstance(half, tuple) or not isinstance(offset, tuple):
-        return f"{place} has no pose or no support area: nothing can be looked for there"
+        return Message("{place} has no pose or no support area: nothing can be looked for there", place=place)
     return Region(pose @ Pose((offset[0], offset[1], offset[2])), (half[0], half[1]))
 
 
@@ -47,7 +48,7 @@ def inner_region(context: RunContext, compartment: str) -> Region | str:
     pose = map_pose(context, compartment)
     solid = context.world.value(compartment, v.SOLID)
     if pose is None or solid is None:
-        return f"{compartment} has no pose or no inner volume"
+        return Message("{compartment} has no pose or no inner volume", compartment=compartment)
     low, high = Solid.from_json(str(solid)).bounds()
     return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0))
 
@@ -100,7 +101,7 @@ class LookingPrimitive(ArmPrimitive):
                 image = yield from self.wait(Camera(self.context.board, camera.id).capture())
                 return image, self.context.frames.at(image.snapshot).located(camera.id)
             reason = refusal.reason
-        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {reason}")
+        return NoMotion(Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=reason))
 
     def _camera_in_tool(self, camera: CameraSpec) -> Pose:
         kinematics = self.context.port(Kinematics, self.params.arm)
@@ -128,17 +129,19 @@ class RegisterKit(LookingPrimitive):
         """Looks, and corrects the believed pose."""
         believed = map_pose(self.context, self.params.kit)
         if believed is None:
-            return Failure(f"the position of {self.params.kit} is unknown")
+            return Failure(Message("the position of {kit} is unknown", kit=self.params.kit))
         why = ""
         for attempt, aside in enumerate(_ASIDE, start=1):
-            self.progress(attempt, f"look {attempt} at {self.params.kit}")
+            self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=self.params.kit))
             result = yield from self._look(believed, aside)
             if isinstance(result, RegistrationResult) and result.pose is not None:
                 self._write(result.pose, result.cost)
                 moved = result.pose.distance(believed) * 1e3
-                return Success(f"{self.params.kit} is {moved:.0f} mm from where it was believed")
+                return Success(
+                    Message("{kit} is {moved:.0f} mm from where it was believed", kit=self.params.kit, moved=moved)
+                )
             why = why or result.reason
-        return Failure(f"{self.params.kit} is not recognised where it should be: {why}")
+        return Failure(Message("{kit} is not recognised where it should be: {why}", kit=self.params.kit, why=why))
 
     def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
         camera, solid = self.params.camera, solid_of(self.world, self.params.kit)
@@ -156,7 +159,9 @@ class RegisterKit(LookingPrimitive):
         frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
         in_map = map_pose(self.context, frame) if frame else None
         own = in_map.inverse() @ pose if in_map is not None else pose
-        with self.world.transaction(author=self.name, reason=f"fitted within {cost * 1e3:.1f} mm") as tx:
+        with self.world.transaction(
+            author=self.name, reason=Message("fitted within {cost:.1f} mm", cost=cost * 1000.0)
+        ) as tx:
             write_pose(tx, kit, own, frame)
 
 
@@ -181,7 +186,7 @@ class RegisterPart(LookingPrimitive):
         """Looks, and corrects the believed pose."""
         believed = map_pose(self.context, self.params.part)
         if believed is None:
-            return Failure(f"{self.params.part} has not been seen yet")
+            return Failure(Message("{part} has not been seen yet", part=self.params.part))
         x, y, _ = believed.position
         look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF)), x, y)
         if isinstance(look, NoMotion):
@@ -193,13 +198,17 @@ class RegisterPart(LookingPrimitive):
         part = self.params.part
         wanted = self.world.element(part).type
         if nearest is None or nearest.pose.distance(believed) > _NEAR:
-            return self._forget(f"{part} is not where the first look saw it")
+            return self._forget(Message("{part} is not where the first look saw it", part=part))
         if nearest.type != wanted:
-            what = nearest.type.partition(":")[2] if nearest.type else "something of unknown shape"
-            return self._forget(f"what lies where {part} was seen is {what}")
-        with self.world.transaction(author=self.name, reason=f"cost {nearest.cost * 1e3:.1f} mm") as tx:
+            what = nearest.type.partition(":")[2] if nearest.type else _UNKNOWN_SHAPE
+            return self._forget(Message("what lies where {part} was seen is {what}", part=part, what=what))
+        with self.world.transaction(
+            author=self.name, reason=Message("cost {cost:.1f} mm", cost=nearest.cost * 1000.0)
+        ) as tx:
             write_pose(tx, part, nearest.pose)
-        return Success(f"{part} at ({nearest.pose.position[0]:.3f}, {nearest.pose.position[1]:.3f})")
+        return Success(
+            Message("{part} at ({x:.3f}, {y:.3f})", part=part, x=nearest.pose.position[0], y=nearest.pose.position[1])
+        )
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:
@@ -208,6 +217,7 @@ class RegisterPart(LookingPrimitive):
 
 
 _LOOKS = 2
+_UNKNOWN_SHAPE = Message("something of unknown shape")
 
 
 class VerifyPlace(LookingPrimitive):
@@ -242,17 +252,28 @@ class VerifyPlace(LookingPrimitive):
 
     def _confirm(self, seen: Detection) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
-        with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
+        with self.world.transaction(
+            author=self.name, reason=Message("seen in {compartment}", compartment=compartment)
+        ) as tx:
             tx.place(part, v.IN, compartment)
             tx.set(part, v.MISSING, None)
             write_pose(tx, part, seen.pose)
-        return Success(f"{part} is in {compartment}")
+        return Success(Message("{part} is in {compartment}", part=part, compartment=compartment))
 
     def _deny(self, *, strange: bool) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
-        what = "something of unknown shape" if strange else "nothing of its kind"
-        with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
+        what = _UNKNOWN_SHAPE if strange else Message("nothing of its kind")
+        with self.world.transaction(
+            author=self.name, reason=Message("{what} seen in {compartment}", what=what, compartment=compartment)
+        ) as tx:
             write_pose(tx, part, None)
             tx.set(part, v.MISSING, True)
             tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
-        return Failure(f"{part} was released over {compartment}, but {what} is seen there")
+        return Failure(
+            Message(
+                "{part} was released over {compartment}, but {what} is seen there",
+                part=part,
+                compartment=compartment,
+                what=what,
+            )
+        )

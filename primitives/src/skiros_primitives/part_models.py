@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose, Solid
+from skiros_py.messages import Message
 from skiros_py.ports.perception import PartModel
 from skiros_py.skills.surroundings import solid_of
 from skiros_py.world.view import WorldView
@@ -61,7 +62,7 @@ def grasp_of(view: WorldView, part: str) -> Grasp:
     if not isinstance(pose, Pose) or (GRASP_HEIGHT in own and GRASP_POSE not in own):
         pose = downward(0.0, 0.0, height, 0.0) if isinstance(height, float) else None
     if pose is None or not isinstance(width, float):
-        missing = f"{view.element(part).type} has no sk:graspHeight and sk:graspWidth"
+        missing = Message("{kind} has no sk:graspHeight and sk:graspWidth", kind=view.element(part).type)
         raise DescriptionError(f"{missing}: give it both, or teach a grasp")
     return Grasp(_alike(pose, solid_of(view, part)), width)
 

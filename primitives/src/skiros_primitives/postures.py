@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from skiros_primitives.arm_moves import ArmPrimitive, is_home
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState
+from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import JointMove
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -31,7 +32,7 @@ class Home(Primitive[Any]):
     def start(self) -> Failure | None:
         """Checks that the arm belongs to the robot."""
         if self.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
-            return Failure(f"{self.arm} is no arm of {self.robot}")
+            return Failure(Message("{arm} is no arm of {robot}", arm=self.arm, robot=self.robot))
         return None
 
     def execute(self) -> Execution[Outcome]:
@@ -47,7 +48,7 @@ class Home(Primitive[Any]):
                 opened = yield from self.call("gripper_control", gripper=gripper.id)
                 if isinstance(opened, Failure):
                     return opened
-        return Success(f"home; {', '.join(holding)} stays closed" if holding else "home")
+        return Success(Message("home; {holding} stays closed", holding=", ".join(holding)) if holding else "home")
 
     @property
     def _robot(self) -> RobotSpec:
@@ -75,7 +76,7 @@ class MoveArm(ArmPrimitive):
         home = self.arm.spec.home
         refusal = yield from self.go([(JointMove(home),)]) if self.is_planned else self.go_straight(home)
         if refusal is not None:
-            return Failure(f"the arm cannot go home: {refusal.reason}")
+            return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
         return Success("home")
 
 

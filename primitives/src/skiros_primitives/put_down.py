@@ -11,6 +11,7 @@ from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.looking import inner_region
 from skiros_primitives.part_models import level
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.ports.motion import MotionPlan, NoMotion
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -43,7 +44,9 @@ class PutDown(HandlingPrimitive):
         """Approaches, opens, retreats."""
         holding = held_by(self.context, self.params.gripper)
         if holding is None or holding[0] != self.params.part:
-            return Failure(f"{self.params.gripper} does not hold {self.params.part}")
+            return Failure(
+                Message("{gripper} does not hold {part}", gripper=self.params.gripper, part=self.params.part)
+            )
         region = inner_region(self.context, self.params.compartment)
         if isinstance(region, str):
             return Failure(region)
@@ -52,7 +55,13 @@ class PutDown(HandlingPrimitive):
         tools = (level(region.pose @ pose) @ holding[1].pose.inverse() for pose in self._places())
         planned = yield from self.plan(self.routes(tools, inside))
         if isinstance(planned, NoMotion):
-            return Failure(f"{self.params.compartment} cannot be reached: {planned.reason}")
+            return Failure(
+                Message(
+                    "{compartment} cannot be reached: {reason}",
+                    compartment=self.params.compartment,
+                    reason=planned.reason,
+                )
+            )
         return (yield from self._release(planned))
 
     def _places(self) -> list[Pose]:
@@ -75,15 +84,15 @@ class PutDown(HandlingPrimitive):
         opened = state.gap >= before + 0.5 * _OPEN
         if opened:
             part, compartment = self.params.part, self.params.compartment
-            reason = f"released over {compartment}, not seen yet"
+            reason = Message("released over {compartment}, not seen yet", compartment=compartment)
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
                 write_pose(tx, part, None)  # a look has to determine it
         self.progress(3, "retreating")
         yield from self.recover()
         if not opened:
-            return Failure(f"the fingers did not open: gap {state.gap * 1e3:.0f} mm")
-        return Success(f"released over {self.params.compartment}")
+            return Failure(Message("the fingers did not open: gap {gap:.0f} mm", gap=state.gap * 1000.0))
+        return Success(Message("released over {compartment}", compartment=self.params.compartment))
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""

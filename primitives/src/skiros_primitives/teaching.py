@@ -10,6 +10,7 @@ from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import level
 from skiros_py.devices.gripper import Gripper
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.ports.board import Mobile
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -37,16 +38,23 @@ class TeachingPrimitive(Primitive[Any]):
         line = self.world.ontology.ancestors(self.world.element(element).type)
         if type_ is None or type_ in line:
             return None
-        return Failure(f"type: {element} is no {type_}; teach it for one of {', '.join(line)}")
+        return Failure(
+            Message(
+                "type: {element} is no {kind}; teach it for one of {kinds}",
+                element=element,
+                kind=type_,
+                kinds=", ".join(line),
+            )
+        )
 
     def keep(self, values: Mapping[str, Value]) -> Outcome:
         """Stores the shown values, by property, for all things of the class."""
         element, world = getattr(self.params, self.example), self.world
         class_ = self.params.type or world.element(element).type
         label = f"{world.ontology.classes[self.lesson].label.removeprefix('taught ')} for {local_name(class_)}"
-        with world.transaction(author=self.name, reason=f"shown on {element}") as tx:
+        with world.transaction(author=self.name, reason=Message("shown on {element}", element=element)) as tx:
             learned = tx.add(self.lesson, label, properties={v.APPLIES_TO: class_, **values}, learned=True)
-        return Success(f"learned as {learned}: {label}")
+        return Success(Message("learned as {learned}: {label}", learned=learned, label=label))
 
 
 class TeachDrivingPose(TeachingPrimitive):
@@ -71,9 +79,9 @@ class TeachDrivingPose(TeachingPrimitive):
         yield from ()
         place, base = map_pose(self.context, self.params.location), Mobile(self.context.board, self.params.base)
         if place is None:
-            return Failure(f"the position of {self.params.location} is unknown")
+            return Failure(Message("the position of {location} is unknown", location=self.params.location))
         if not base.still:
-            return Failure(f"{self.params.base} still moves: let it stand where it should")
+            return Failure(Message("{base} still moves: let it stand where it should", base=self.params.base))
         pose = self.context.cell.group_of(base.id).pose(self.context.board.snapshot, self.context.board.guard)
         return self.keep({v.DRIVING_POSE: place.inverse() @ pose})
 
@@ -105,10 +113,14 @@ class TeachGrasp(TeachingPrimitive, ArmPrimitive):
         yield from ()  # it takes no time
         tool = self._tool_on_part()
         if tool is None:
-            return Failure(f"the exact position of {self.params.part} is unknown: register it first")
+            return Failure(Message("the exact position of {part} is unknown: register it first", part=self.params.part))
         gap = Gripper(self.context.board, self.params.gripper).state.gap
         if gap > self.gripper_spec.max_gap - _OPEN:
-            return Failure(f"{self.params.gripper} is wide open: close it on {self.params.part}")
+            return Failure(
+                Message(
+                    "{gripper} is wide open: close it on {part}", gripper=self.params.gripper, part=self.params.part
+                )
+            )
         return self.keep({v.GRASP_POSE: tool, v.GRASP_WIDTH: gap})
 
     def _tool_on_part(self) -> Pose | None:
@@ -146,5 +158,5 @@ class TeachPlacingPose(TeachingPrimitive):
         container, part = (map_pose(self.context, one) for one in (self.params.container, self.params.part))
         if container is None or part is None:
             unknown = self.params.container if container is None else self.params.part
-            return Failure(f"the exact position of {unknown} is unknown")
+            return Failure(Message("the exact position of {unknown} is unknown", unknown=unknown))
         return self.keep({v.PLACING_POSE: container.inverse() @ part})

@@ -7,7 +7,7 @@ from datetime import datetime
 
 from pydantic import Field, StrictInt
 
-from skiros_py.api.wire import Answer, Page, Request
+from skiros_py.api.wire import Page, Request, Sentence, Told
 
 
 class Severity(enum.StrEnum):
@@ -52,7 +52,7 @@ class AlarmKind(enum.StrEnum):
     """A message could not be delivered to another system."""
 
 
-class AlarmInfo(Answer):
+class AlarmInfo(Told):
     """One alarm."""
 
     id: str = Field(examples=["1f2e3d4c-7"])
@@ -61,7 +61,7 @@ class AlarmInfo(Answer):
     """Its kind."""
     severity: Severity = Field(examples=["high"])
     """How urgent the alarm is."""
-    text: str = Field(examples=["job kit-17 is held: the program ended between two steps: look, then answer"])
+    text: Sentence = Field(examples=["job kit-17 is held: the program ended between two steps: look, then answer"])
     """Description for the operator."""
     source: str = Field(examples=["kit-17"])
     """Its source: a subsystem, a module, a job, …."""
@@ -109,12 +109,12 @@ class StopRequest(Request):
     """Reason, for people."""
 
 
-class StopInfo(Answer):
+class StopInfo(Told):
     """Whether everything is halted."""
 
     halted: bool = Field(examples=[True])
     """Whether nothing may move until a reset."""
-    why: str = Field(default="", examples=["a person is in the cell"])
+    why: Sentence = Field(default="", examples=["a person is in the cell"])
     """Reason; empty if nothing is halted."""
     by: str = Field(default="", examples=["panel at the door"])
     """Who requested it; empty for the watchdog or a module."""

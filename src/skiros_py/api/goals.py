@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
-from skiros_py.api.wire import Answer, Name, Page, Request
+from skiros_py.api.wire import Answer, Name, Page, Request, Sentence, Told
 
 _LONGEST_TEXT = 20_000
 
@@ -103,13 +103,13 @@ class CheckedCondition(Answer):
     """As structured data."""
     holds: bool
     """Whether it is believed to hold now."""
-    why: str = Field(examples=["no Starter makes it true for kit_1"])
+    why: Sentence = Field(examples=["no Starter makes it true for kit_1"])
     """The deciding reason."""
-    lines: tuple[str, ...]
+    lines: tuple[Sentence, ...]
     """The reasons as a tree, indented by level."""
 
 
-class CheckedGoal(Answer):
+class CheckedGoal(Told):
     """A parsed goal."""
 
     text: str = Field(examples=["InKit(Starter, kit_1)"])
@@ -129,12 +129,12 @@ class GoalTexts(Request):
     """Texts or structured conditions; empty for none."""
 
 
-class SceneGoals(Answer):
+class SceneGoals(Told):
     """The goals stored with the scene."""
 
     goals: tuple[str, ...] = Field(examples=[["InKit(Starter, kit_1)"]])
     """Their texts, sorted."""
-    fault: str = ""
+    fault: Sentence = ""
     """Why they cannot be parsed; empty if they can."""
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ConfigDict, Field, StrictBool, StrictInt
 
 from skiros_py.api.goals import GoalOrder, Material, TemplateParameter
-from skiros_py.api.wire import Answer, Moment, Name, Page, Request, WantedMoment
+from skiros_py.api.wire import Answer, Moment, Name, Page, Request, Sentence, Told, WantedMoment
 
 COMMANDS = ("start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear")
 """Commands to a job: the last part of the address of each."""
@@ -87,7 +87,7 @@ class ConditionActual(Answer):
     """As ordered."""
     reached: bool
     """Whether it held at the end."""
-    reason: str
+    reason: Sentence
     """Why not; empty if it did."""
 
 
@@ -135,7 +135,7 @@ class OrderedGoal(Answer):
     """How to proceed if part of the goal cannot be reached."""
 
 
-class Job(Answer):
+class Job(Told):
     """Current state of a job."""
 
     id: str = Field(examples=["line-1-kit-4711"])
@@ -146,7 +146,7 @@ class Job(Answer):
     """Its version, as in its ETag; increases with every change."""
     state: JobState
     """Its state."""
-    detail: str = Field(examples=["running"])
+    detail: Sentence = Field(examples=["running"])
     """What it is doing or waiting for, as text."""
     outcome: str | None = Field(examples=[None])
     """Its outcome: succeeded, partially succeeded, goal already satisfied, stopped, aborted, failed, no plan, expired;
@@ -164,7 +164,7 @@ class Job(Answer):
     """Outcome of each condition."""
     materials: tuple[MaterialMoved, ...]
     """The parts that it moved."""
-    reasons: tuple[str, ...]
+    reasons: tuple[Sentence, ...]
     """Why there is no plan, or why it was given up."""
     plan: tuple[str, ...]
     """The last plan, one line per step."""
@@ -250,7 +250,7 @@ class JobStep(Answer):
     """How it ended: "done", "failed: …", "stopped"; null while unknown."""
 
 
-class JobTransition(Answer):
+class JobTransition(Told):
     """One change of state."""
 
     at: Moment
@@ -259,7 +259,7 @@ class JobTransition(Answer):
     """Its trigger."""
     state: JobState
     """The new state."""
-    comment: str
+    comment: Sentence
     """Why, and who requested it."""
 
 
@@ -276,7 +276,7 @@ class StateEntry(Answer):
     """Its name."""
 
 
-class JobResponse(Answer):
+class JobResponse(Told):
     """Result of a job (ISA-95: job response)."""
 
     job_response_id: str
@@ -299,7 +299,7 @@ class JobResponse(Answer):
     """The parts moved, with origin and place."""
     job_response_data: tuple[JobStep, ...]
     """The executed skills, in order."""
-    reasons: tuple[str, ...]
+    reasons: tuple[Sentence, ...]
     """Why there was no plan, or why it was given up."""
     lateness: float | None
     """How long after its deadline it ended [s]."""

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from skiros_py.api.wire import Answer, Moment, Page, Request
+from skiros_py.api.wire import Answer, Moment, Page, Request, Sentence, Told
 
 _LONGEST_KEY = 100
 _MOST_ARGUMENTS = 50
@@ -294,20 +294,20 @@ class PanelRow(Answer):
     """The condition, as text."""
     holds: bool | None = Field(examples=[True])
     """Whether it holds; null while a parameter has no value."""
-    why: list[str] = Field(examples=[[]])
+    why: list[Sentence] = Field(examples=[[]])
     """Reasons why it does not hold."""
 
 
-class PanelInfo(Answer):
+class PanelInfo(Told):
     """Arguments that a module would have now, and whether its conditions hold."""
 
     ready: bool
     """Whether all parameters have values and all preconditions hold."""
     arguments: dict[str, Any]
     """Specified and inferred values by parameter key; null for parameters without one."""
-    inferred: dict[str, str]
+    inferred: dict[str, Sentence]
     """Reasons for inferred values, by parameter key."""
-    missing: dict[str, str]
+    missing: dict[str, Sentence]
     """Why a parameter has no value, by parameter key."""
     conditions: list[PanelRow]
     """Its conditions; empty for a primitive."""
@@ -326,7 +326,7 @@ class ModuleProgress(Answer):
     """started, running, preempted, terminated, error or event."""
     code: int = Field(examples=[1])
     """Progress code; negative for an error."""
-    text: str = Field(examples=["leg 1 of 2"])
+    text: Sentence = Field(examples=["leg 1 of 2"])
     """Display text."""
     agent: str = Field(examples=["arm_1"])
     """Subsystem that runs it."""
@@ -351,7 +351,7 @@ class ModuleRound(Answer):
     """Whether it succeeded."""
     code: int = Field(examples=[1])
     """1 if it succeeded, otherwise the error code."""
-    text: str = Field(examples=["at pallet_a"])
+    text: Sentence = Field(examples=["at pallet_a"])
     """The result, or why it failed."""
     start: float = Field(examples=[12.5])
     """Run time [s]."""
@@ -359,7 +359,7 @@ class ModuleRound(Answer):
     """Run time [s]."""
 
 
-class ModuleRunInfo(Answer):
+class ModuleRunInfo(Told):
     """A module that was started from outside."""
 
     id: str = Field(examples=["3f2a9c1e-7"])

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from skiros_py.api.jobs import PlannedStep
-from skiros_py.api.wire import Answer, Moment, Page
+from skiros_py.api.wire import Answer, Moment, Page, Sentence, Told
 
 
 class PreviewState(enum.StrEnum):
@@ -38,9 +38,9 @@ class Repair(Answer):
 
     id: int = Field(examples=[0])
     """Its number in this preview."""
-    text: str = Field(examples=["put starter_1 in pallet_a"])
+    text: Sentence = Field(examples=["put starter_1 in pallet_a"])
     """Description."""
-    edits: tuple[str, ...]
+    edits: tuple[Sentence, ...]
     """The changes to the world."""
     without: tuple[str, ...]
     """Conditions to remove from the goal."""
@@ -52,7 +52,7 @@ class Repair(Answer):
     """Whether it has changes of the world, which the server can apply."""
 
 
-class Preview(Answer):
+class Preview(Told):
     """A goal that is planned but not executed."""
 
     id: str = Field(examples=["17"])
@@ -73,7 +73,7 @@ class Preview(Answer):
     """Name of the planner; empty if none was needed."""
     steps: tuple[PlannedStep, ...]
     """The plan; empty if there is none, or nothing needs to be done."""
-    reasons: tuple[str, ...]
+    reasons: tuple[Sentence, ...]
     """Why there is no plan, or why planning failed."""
     causes: tuple[dict[str, Any], ...]
     """The same as data: kind, text, conditions, elements, …."""
@@ -87,10 +87,10 @@ PreviewPage = Page[Preview]
 """The stored previews, newest first."""
 
 
-class AppliedRepair(Answer):
+class AppliedRepair(Told):
     """Result of a repair."""
 
-    text: str = Field(examples=["put starter_1 in pallet_a"])
+    text: Sentence = Field(examples=["put starter_1 in pallet_a"])
     """Description of the change."""
     world: int = Field(examples=[43])
     """Version of the world after it."""

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import ConfigDict, Field, StrictBool, StrictInt, model_validator
 
 from skiros_py.api.jobs import JobPolicy, PlannedStep
-from skiros_py.api.wire import Answer, Moment, Name, Page, Request
+from skiros_py.api.wire import Answer, Moment, Name, Page, Request, Sentence, Told
 
 _MOST_STEPS = 100
 GoalText = Annotated[str, Field(min_length=1, max_length=10_000)]
@@ -77,7 +77,7 @@ class TaskStep(Answer):
     """When it ended [s, run time]; null while it runs."""
     ended: str | None = Field(examples=["ended"])
     """ended, failed or cancelled; null while it runs."""
-    text: str = Field(examples=["drive pallet_a: done"])
+    text: Sentence = Field(examples=["drive pallet_a: done"])
     """Its result, in a sentence."""
 
 
@@ -86,7 +86,7 @@ class TaskQuestion(Answer):
 
     id: int = Field(examples=[1])
     """Number of the question."""
-    text: str = Field(examples=["starter_1 cannot be picked. What shall become of it?"])
+    text: Sentence = Field(examples=["starter_1 cannot be picked. What shall become of it?"])
     """The question."""
     options: tuple[str, ...] = Field(examples=[["retry", "done by hand", "skip", "abort"]])
     """The possible answers."""
@@ -105,13 +105,13 @@ class TaskReport(Answer):
     """Duration [s, wall time]."""
     conditions: tuple[dict[str, Any], ...]
     """Outcome of each condition."""
-    no_plan: tuple[str, ...]
+    no_plan: tuple[Sentence, ...]
     """Why there was no initial plan."""
-    fault: str = Field(examples=[""])
+    fault: Sentence = Field(examples=[""])
     """Why it was cancelled or failed; empty if it was not."""
 
 
-class TaskInfo(Answer):
+class TaskInfo(Told):
     """A running or finished task."""
 
     name: str = Field(examples=["task 1"])

@@ -11,9 +11,21 @@ from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, Generic, Self, TypeVar
 
-from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic import (
+    AfterValidator,
+    AwareDatetime,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    computed_field,
+)
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
+
+from skiros_py.messages import Message, messages_in
 
 _LONGEST_NAME = 200
 _YEARS = range(1971, 9000)
@@ -77,6 +89,33 @@ class Answer(_Documented):
         return cls(**{name: getattr(source, name) for name in same}, **others)
 
 
+def _kept(value: object, check: ValidatorFunctionWrapHandler) -> str:
+    return value if isinstance(value, Message) else str(check(value))
+
+
+Sentence = Annotated[str, WrapValidator(_kept)]
+"""A text for people, in English; messages keep what they are made of."""
+
+
+class SentenceParts(Answer):
+    """What a sentence is made of, for callers that say it in another language."""
+
+    template: str = Field(examples=["{subject} is not {relation} {object}"])
+    """The sentence with named fields; it identifies the sentence."""
+    values: dict[str, Any] = Field(examples=[{"subject": "starter_1", "relation": "in", "object": "kit_1_a"}])
+    """Value of each field: a text, or the same parts of another sentence."""
+
+
+class Told(Answer):
+    """Base of answers with sentences for people."""
+
+    @computed_field
+    def texts(self) -> dict[str, SentenceParts]:
+        """What the sentences in this answer are made of, by sentence; those of plug-ins may be missing."""
+        found = messages_in([value for _, value in self])
+        return {str(text): SentenceParts(**data) for text, data in found.items()}
+
+
 T = TypeVar("T")
 
 
@@ -124,6 +163,7 @@ class ProblemDetails(BaseModel):
         instance: Id of the request, as in the server's log.
         return_status: ISA-95 return status of a job command, as a bit field (OPC 10031-4 v2.00, annex B.2).
         errors: The wrong fields, with reasons.
+        texts: What the sentences above are made of, by sentence, for callers that say them in another language.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -136,6 +176,7 @@ class ProblemDetails(BaseModel):
     instance: str = ""
     return_status: int | None = None
     errors: list[dict[str, Any]] = Field(default_factory=list)
+    texts: dict[str, dict[str, Any]] = Field(default_factory=dict)
 
 
 _WORDS = {

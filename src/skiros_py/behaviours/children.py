@@ -8,6 +8,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import Self
 
+from skiros_py.messages import joined
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, require
 from skiros_py.skills.conditions import Condition, holds
 from skiros_py.skills.conditions.watch import Watch
@@ -153,4 +154,4 @@ def run_until(
 def lost(watch: Watch, what: str) -> Failure | None:
     """Returns the failure where a watched condition holds no longer; its text begins with the words given."""
     broken = watch.broken()
-    return None if broken is None else Failure(f"{what} {broken.sentence}")
+    return None if broken is None else Failure(joined(" ", (what, broken.sentence)))

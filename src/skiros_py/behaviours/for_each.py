@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator
+from skiros_py.messages import joined
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, check_texts, require
 from skiros_py.skills.conditions import Pattern
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
@@ -76,5 +77,5 @@ class ForEach(Decorator):
                 continue  # gone meanwhile
             outcome = yield from scope.run(self.child, "0", {self.key: element})
             if isinstance(outcome, Failure):
-                return Failure(f"{element}: {outcome.reason}", outcome.code)
+                return Failure(joined(": ", (element, outcome.reason)), outcome.code)
         return outcome

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from skiros_py.behaviours.children import Composite
 from skiros_py.errors import DescriptionError
+from skiros_py.messages import joined
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 from skiros_py.skills.plain import Reader
@@ -91,8 +92,8 @@ class Parallel(Composite):
         if good and self.policy is Policy.FIRST_SUCCESS:
             return good[0]
         if bad:
-            return Failure("; ".join(failure.reason for failure in bad), bad[0].code)
-        return Success("; ".join(outcome.message for outcome in good if outcome.message))
+            return Failure(joined("; ", [failure.reason for failure in bad]), bad[0].code)
+        return Success(joined("; ", [outcome.message for outcome in good if outcome.message]))
 
 
 def _tick_all(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator, check_seconds, run_until
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, tick
 
@@ -38,6 +39,10 @@ class Timeout(Decorator):
         context, end = scope.context, scope.context.now + self.seconds
 
         def late() -> Failure | None:
-            return Failure(f"took longer than {self.seconds:g} s") if context.now >= end - 1e-9 else None
+            return (
+                Failure(Message("took longer than {seconds:g} s", seconds=self.seconds))
+                if context.now >= end - 1e-9
+                else None
+            )
 
         return run_until(self.child, "0", scope, lambda run: tick(run) or late())

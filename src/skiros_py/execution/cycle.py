@@ -18,6 +18,7 @@ from skiros_py.execution.module_faults import off_words
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.interruptions import CycleOverrun, CycleStep, WatchedTask, by_user
+from skiros_py.messages import Message
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
@@ -94,7 +95,13 @@ class ControlCycle:
         """
         task = Task(generator, self.board, name, clock, self._ended.append)
         if self.halted:
-            raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
+            raise UsageError(
+                Message(
+                    "{name} cannot start: everything was halted ({halted}); reset the robots first",
+                    name=task.name,
+                    halted=self.halted,
+                )
+            )
         self._places -= 1
         (self._tasks if self._places >= 0 else self._later).append(task)
         return task

@@ -10,6 +10,7 @@ from typing import Any
 from skiros_py.errors import ModuleError, UnknownName
 from skiros_py.execution.module_faults import contained, words
 from skiros_py.interruptions import Activity, CycleOverrun, CycleStep, by_user
+from skiros_py.messages import Message
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.parameters import Kind, params_of
@@ -120,12 +121,12 @@ class Loader:
         try:
             return self._watched(module, context)
         except CycleOverrun:  # the watchdog has reported it and halted everything
-            return Failure(f"{module} did not load within {_LIMIT:g} s", BROKEN)
+            return Failure(Message("{module} did not load within {seconds:g} s", module=module, seconds=_LIMIT), BROKEN)
         except BaseException as error:  # an author's mistake makes runs of this one fail, and no other
             if by_user(error):
                 raise
             _log.exception("primitive %s did not load", module)
-            return Failure(f"{module} did not load: {words(error)}", BROKEN)
+            return Failure(Message("{module} did not load: {error}", module=module, error=words(error)), BROKEN)
 
     def _watched(self, module: str, context: RunContext) -> Loaded:
         outer = self._activity.enter(CycleStep(f"the loading of {module}", interruptible=True))

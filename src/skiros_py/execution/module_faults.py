@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from skiros_py.errors import SkirosError
 from skiros_py.interruptions import CycleOverrun, not_the_authors
+from skiros_py.messages import Message, joined
 from skiros_py.skills.outcome import BROKEN, Failure
 
 T = TypeVar("T")
@@ -32,7 +33,7 @@ def contained(what: str, action: Callable[[], T]) -> T | Failure:
     try:
         return action()
     except SkirosError as error:
-        return Failure(f"{what}: {error}{_where(error)}")
+        return Failure(joined(": ", (what, joined("", (str(error), _where(error))))))
     except BaseException as error:  # an author's mistake ends what it is part of, not the platform
         if not_the_authors(error):
             raise
@@ -48,13 +49,15 @@ def broken(what: str, error: BaseException, origin: str = "") -> Failure:
         origin: Where its code is from.
     """
     _log.error("%s%s broke", what, f", {origin}," if origin else "", exc_info=error)
-    return Failure(f"{what} broke: {words(error)}", BROKEN)
+    return Failure(Message("{what} broke: {error}", what=what, error=words(error)), BROKEN)
 
 
 def words(error: BaseException) -> str:
     """Describes in words how an author's code ended."""
     if isinstance(error, SystemExit):
-        return f"it tried to end the program: sys.exit({error.code!r}){_where(error)}"
+        return Message(
+            "it tried to end the program: sys.exit({code}){where}", code=repr(error.code), where=_where(error)
+        )
     return f"{type(error).__name__}: {error}{_where(error)}"
 
 
@@ -65,4 +68,8 @@ def _where(error: BaseException) -> str:
 
 def off_words(error: BaseException) -> str:
     """Describes in words why a part of a plug-in is switched off: what it raised, or that it held the cycle."""
-    return str(error) if isinstance(error, CycleOverrun) else f"it raised {type(error).__name__}: {error}"
+    return (
+        str(error)
+        if isinstance(error, CycleOverrun)
+        else Message("it raised {name}: {error}", name=type(error).__name__, error=error)
+    )

@@ -17,6 +17,7 @@ from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished, failed, run_recovery
 from skiros_py.execution.time_limit import TimeLimit
 from skiros_py.interruptions import CycleOverrun, EndlessCalls, by_user
+from skiros_py.messages import Message, joined
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
@@ -111,7 +112,7 @@ class PrimitiveRun(ModuleRun):
         values = self._values = complete(world, params, given, scope.agent)
         open_ = missing(params, values)
         if open_:
-            raise UsageError(f"{', '.join(open_)}: not specified")
+            raise UsageError(Message("{keys}: not specified", keys=", ".join(open_)))
         devices = {} if cls.watches else devices_of(world, params, cls.takes, values)  # one that watches takes nothing
         claim = self._claim = self._take(cls.name, devices, scope.claim)
         self._calls = replace(self._calls, claim=claim)
@@ -210,7 +211,7 @@ class PrimitiveRun(ModuleRun):
         told = self._limit.stalled
         why = self._limit.why_over(self._gets_on)
         if self._limit.stalled and not (told or self._loaded.cls.watches):
-            text = f"makes no progress{_where_it_waits(self._code)}"
+            text = Message("makes no progress{where}", where=_where_it_waits(self._code))
             _log.warning("%s %s", self.name, text)
             self.tell(Status.RUNNING, 0, text)
         if not why:
@@ -220,7 +221,7 @@ class PrimitiveRun(ModuleRun):
         self._close()
         if self._made is not None:
             self._tidy("when it took too long", self._made.stop)
-        return Failure(f"{self.name} {why}{where}")
+        return Failure(joined("", (self.name, " ", why, where)))
 
     def _gets_on(self) -> bool:
         claim = self._claim
@@ -289,11 +290,10 @@ def _where_it_waits(code: object) -> str:
     frame = None
     while isinstance(code, Generator):
         frame, code = getattr(code, "gi_frame", None) or frame, getattr(code, "gi_yieldfrom", None)
-    return (
-        ""
-        if frame is None
-        else f": it waits in {frame.f_code.co_qualname}, {frame.f_code.co_filename}:{frame.f_lineno}"
-    )
+    if frame is None:
+        return ""
+    at = frame.f_code
+    return Message(": it waits in {code}, {file}:{line}", code=at.co_qualname, file=at.co_filename, line=frame.f_lineno)
 
 
 _ENDED = object()

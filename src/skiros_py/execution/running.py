@@ -12,6 +12,7 @@ from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.task import Task
+from skiros_py.messages import Message, joined
 from skiros_py.skills.outcome import BROKEN, Execution, Failure, Outcome, Success
 from skiros_py.skills.parameters import missing, read_arguments
 from skiros_py.skills.skill import RunnableDocument
@@ -69,7 +70,7 @@ class BehaviourRun(ModuleRun):
             return
         values = read_arguments(params, self._arguments, self._scope.context.world)
         if open_ := missing(params, values):
-            raise UsageError(f"{', '.join(open_)}: not specified")
+            raise UsageError(Message("{keys}: not specified", keys=", ".join(open_)))
         self._arguments.update(values)
 
     def leave(self) -> bool:
@@ -144,11 +145,12 @@ class RunningModule:
         """
         task = self.task
         if not task.done:
-            raise UsageError(f"{self.name} still runs")
+            raise UsageError(Message("{name} still runs", name=self.name))
         if task.fault is not None:
-            return Failure(f"{self.name} broke: {task.fault}", BROKEN)
+            return Failure(Message("{name} broke: {fault}", name=self.name, fault=task.fault), BROKEN)
         if task.stopped or task.stopping:
-            return Failure(f"{self.name} was stopped{': ' + task.reason if task.reason else ''}")
+            stopped = Message("{name} was stopped", name=self.name)
+            return Failure(joined(": ", (stopped, task.reason)) if task.reason else stopped)
         return task.result
 
     def cancel(self, reason: str) -> None:

@@ -22,6 +22,7 @@ from skiros_py.execution.skill_manager import CellModules, SkillManager
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.interruptions import WatchedTask
 from skiros_py.listeners import Listeners
+from skiros_py.messages import Message
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
@@ -361,7 +362,11 @@ class Runtime:
             WrongState: Everything was halted and has not been reset since.
         """
         if self.cycle.halted:
-            raise WrongState(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
+            raise WrongState(
+                Message(
+                    "nothing can start: everything was halted ({halted}); look, then reset()", halted=self.cycle.halted
+                )
+            )
 
     def __enter__(self) -> Self:
         self.watchdog.start()

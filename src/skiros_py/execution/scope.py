@@ -18,6 +18,7 @@ from skiros_py.execution.module_faults import contained
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
 from skiros_py.execution.task import Task
 from skiros_py.interruptions import EndlessCalls, Interruption
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch, Watches
@@ -148,7 +149,9 @@ class Scope:
         for key, value in call.inputs.items():
             if isinstance(value, P):
                 if value.key not in self.arguments:
-                    return Failure(f"{call.module}: no node has written '{value.key}' yet")
+                    return Failure(
+                        Message("{module}: no node has written '{key}' yet", module=call.module, key=value.key)
+                    )
                 value = self.arguments[value.key]
             if value is not None:
                 values[key] = value
@@ -226,8 +229,14 @@ def _with_outputs(run: Execution[Outcome], call: Call, scope: Scope) -> Executio
     if isinstance(outcome, Success):
         for key, name in call.outputs.items():
             if key not in outcome.values:
-                there = f"its outcome has {', '.join(outcome.values)}" if outcome.values else "its outcome has none"
-                return Failure(f"{call.module} gave no value '{key}': {there}")
+                there = (
+                    Message("its outcome has {values}", values=", ".join(outcome.values))
+                    if outcome.values
+                    else Message("its outcome has none")
+                )
+                return Failure(
+                    Message("{module} gave no value '{key}': {there}", module=call.module, key=key, there=there)
+                )
             scope.write(name, outcome.values[key])
     return outcome
 

@@ -25,6 +25,7 @@ from skiros_py.execution.scope import ModuleRun, Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.interruptions import WatchedTask
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
@@ -225,7 +226,7 @@ class SkillManager:
         self.lost = reason
         leaving = threading.Thread(
             target=self._registration.withdraw,
-            args=(f"is lost: {reason}",),
+            args=(Message("is lost: {reason}", reason=reason),),
             name=f"skiros-leaving-{self.agent}",
             daemon=True,
         )
@@ -274,9 +275,15 @@ class SkillManager:
             UsageError: The module runs already, the manager is lost, or everything was stopped and not reset.
         """
         if self.lost:
-            raise UsageError(f"the skill manager of {self.agent} is lost: {self.lost}")
+            raise UsageError(Message("the skill manager of {agent} is lost: {lost}", agent=self.agent, lost=self.lost))
         if module in self._running:
-            raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
+            raise UsageError(
+                Message(
+                    "{module} of {agent} is running already: wait for its end, or stop it",
+                    module=module,
+                    agent=self.agent,
+                )
+            )
         self._prepare(module, {}, set())
         clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
         scope = replace(
@@ -305,7 +312,7 @@ class SkillManager:
         """
         self._kind(module)
         if module in self._running:
-            raise UsageError(f"{module} of {self.agent} is running: stop it first")
+            raise UsageError(Message("{module} of {agent} is running: stop it first", module=module, agent=self.agent))
         self._loader.reset(module, self._context)
 
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:

@@ -18,6 +18,7 @@ from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
 from skiros_py.execution.scope import ModuleRun, Scope, Unfinished
 from skiros_py.execution.time_limit import TimeLimit
+from skiros_py.messages import Message, joined
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Effects
@@ -108,7 +109,7 @@ class SkillRun(ModuleRun):
         own = [self.description.param(self.description.agent)]
         found = infer(self.description, complete(world, own, given, self._scope.agent), world)
         if isinstance(found, Missing):
-            return Failure(f"{self.name}: {found}")
+            return Failure(joined(": ", (self.name, str(found))))
         self.arguments.update(found.values)
         return found
 
@@ -129,7 +130,7 @@ class SkillRun(ModuleRun):
     def _granted(self, claim: Claim) -> Execution[Failure | None]:
         """Waits for its devices, or until it is cancelled."""
         if not claim.granted:
-            self.tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
+            self.tell(Status.RUNNING, 0, Message("waits for {devices}", devices=", ".join(claim.waits_for())))
         while not claim.granted and not self._cancelled:
             yield
         return self._interruption()
@@ -142,16 +143,20 @@ class SkillRun(ModuleRun):
         for skill in self._implementations:
             if failures:
                 yield
-                if self._check("precondition", self.description.needs) is not None:
+                if self._check(Message("precondition"), self.description.needs) is not None:
                     break
                 self._way = skill
-                self.tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
+                self.tell(
+                    Status.RUNNING,
+                    0,
+                    Message("{reason}; trying {skill}", reason=failures[-1].reason, skill=_label(skill)),
+                )
             outcome = yield from self._with_devices(skill)
             if isinstance(outcome, Success) or outcome.code == CANCELLED:
                 return outcome
             failures.append(outcome)
         reasons = dict.fromkeys(failure.reason for failure in failures)
-        return replace(failures[-1], reason="; then ".join(reasons))
+        return replace(failures[-1], reason=joined("; ", reasons))
 
     def _attempt(self, skill: Skill) -> Execution[Outcome]:
         duration, limit = self.description.duration, self.description.limit
@@ -162,7 +167,7 @@ class SkillRun(ModuleRun):
             if isinstance(sensed, Failure):
                 return sensed
             yield
-        refusal = self._interruption() or self._check("precondition", (*self.description.needs, *skill.when))
+        refusal = self._interruption() or self._check(Message("precondition"), (*self.description.needs, *skill.when))
         if refusal is not None:
             return refusal
         self._finish = skill.finish
@@ -178,7 +183,7 @@ class SkillRun(ModuleRun):
             outcome = sensed if isinstance(sensed, Failure) else outcome
         if isinstance(outcome, Failure):
             return outcome
-        return self._check("postcondition", self.description.post) or outcome
+        return self._check(Message("postcondition"), self.description.post) or outcome
 
     def _part(
         self, key: str, node: Behaviour, hold: Sequence[Condition] = (), *, at_any_rate: bool = False
@@ -188,7 +193,9 @@ class SkillRun(ModuleRun):
 
         def end(run: Execution[Outcome]) -> Outcome | None:
             interruption = None if at_any_rate else self._interruption()
-            return interruption or contained(self.name, lambda: lost(watch, "hold condition")) or self.tick(run)
+            return (
+                interruption or contained(self.name, lambda: lost(watch, Message("hold condition"))) or self.tick(run)
+            )
 
         with closing(watch):
             outcome = yield from run_until(node, key, self._scope, end)
@@ -200,7 +207,7 @@ class SkillRun(ModuleRun):
         if self._cancelled:
             return Failure(self._cancelled, CANCELLED)
         why = self._limit.why_over() if self._limit is not None else ""
-        return Failure(f"{self.name} {why}") if why else None
+        return Failure(joined(" ", (self.name, why))) if why else None
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         world = self._scope.context.world
@@ -210,7 +217,7 @@ class SkillRun(ModuleRun):
                 return verdict
             self._note(kind.removesuffix("condition"), condition, verdict)
             if not verdict:
-                return Failure(f"{kind} {verdict.sentence}")
+                return Failure(joined(" ", (kind, verdict.sentence)))
         return None
 
     def _note(self, kind: str, condition: Condition, verdict: Verdict) -> None:

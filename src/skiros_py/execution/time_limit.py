@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import inf
 
+from skiros_py.messages import Message
 from skiros_py.skills.context import RunContext
 
 _FACTOR = 20.0
@@ -32,7 +33,7 @@ class TimeLimit:
     def __init__(self, context: RunContext, duration: float | None, limit: float | None) -> None:
         self.stalled = False
         self._context = context
-        self._usual = "" if duration is None else f", {duration:g} s are usual"
+        self._duration = duration
         self._limit = limit or (inf if duration is None else max(_LEAST, _FACTOR * duration))
         self._longest_stall = _LONGEST_STALL if duration is limit is None else inf
         self._now = context.now
@@ -57,5 +58,9 @@ class TimeLimit:
             self.progress()
         self.stalled = self._idle > _STALLED
         if self._taken > self._limit:
-            return f"took longer than {self._limit:g} s{self._usual}"
-        return f"made no progress for {self._longest_stall:g} s" if self._idle > self._longest_stall else ""
+            if self._duration is None:
+                return Message("took longer than {seconds:g} s", seconds=self._limit)
+            both = {"seconds": self._limit, "usual": self._duration}
+            return Message("took longer than {seconds:g} s, {usual:g} s are usual", **both)
+        stalled = Message("made no progress for {seconds:g} s", seconds=self._longest_stall)
+        return stalled if self._idle > self._longest_stall else ""

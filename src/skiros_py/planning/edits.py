@@ -6,6 +6,7 @@ import builtins
 from dataclasses import dataclass
 
 from skiros_py.errors import UnknownName
+from skiros_py.messages import Message
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.literals import shown
 from skiros_py.world.names import local_name
@@ -64,7 +65,9 @@ class Move:
     place: str
 
     def __str__(self) -> str:
-        return f"put {self.element} {local_name(self.relation)} {self.place}"
+        return Message(
+            "put {thing} {relation} {place}", thing=self.element, relation=local_name(self.relation), place=self.place
+        )
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -83,7 +86,7 @@ class Remove:
     element: str
 
     def __str__(self) -> str:
-        return f"remove {self.element} from the scene"
+        return Message("remove {thing} from the scene", thing=self.element)
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -108,7 +111,8 @@ class Add:
     placement: Placement
 
     def __str__(self) -> str:
-        return f"bring one more {local_name(self.class_)}, {local_name(self.placement.relation)} {self.placement.place}"
+        where = {"relation": local_name(self.placement.relation), "place": self.placement.place}
+        return Message("bring one more {kind}, {relation} {place}", kind=local_name(self.class_), **where)
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -137,11 +141,11 @@ class Assign:
     source: str = ""
 
     def __str__(self) -> str:
-        name = local_name(self.property)
+        of = {"thing": self.element, "property": local_name(self.property)}
         if self.source:
-            return f"give {self.element} the {name} of {self.source}"
+            return Message("give {thing} the {property} of {source}", source=self.source, **of)
         value = str(self.value).lower() if isinstance(self.value, bool) else shown(self.value)
-        return f"see to it that the {name} of {self.element} is {value}, and say so"
+        return Message("see to it that the {property} of {thing} is {value}, and say so", value=value, **of)
 
     @builtins.property  # the class has a field of that name
     def elements(self) -> tuple[str, ...]:
@@ -166,7 +170,8 @@ class Relate:
     object: str
 
     def __str__(self) -> str:
-        return f"state that {self.subject} {local_name(self.relation)} {self.object}"
+        what = {"subject": self.subject, "relation": local_name(self.relation), "object": self.object}
+        return Message("state that {subject} {relation} {object}", **what)
 
     @property
     def elements(self) -> tuple[str, ...]:

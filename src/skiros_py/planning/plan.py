@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
+from skiros_py.messages import Message, all_of
 from skiros_py.planning.domain.model import Grounding
 from skiros_py.planning.edits import SceneEdit
 from skiros_py.skills.conditions import Condition
@@ -94,7 +95,7 @@ class Exchange(_PlainData):
     by: Condition
 
     def __str__(self) -> str:
-        return f"want {self.by} instead of {self.condition}"
+        return Message("want {by} instead of {condition}", by=self.by, condition=self.condition)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,7 @@ class Repair(_PlainData):
     @property
     def done(self) -> str:
         """What applying it does, in the operator's words: the changes to the world, not to the goal."""
-        return " and ".join(dict.fromkeys(map(str, self.edits)))
+        return all_of(list(dict.fromkeys(map(str, self.edits))))
 
     def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON, holder: str = "") -> None:
         """Applies the changes to the world in one transaction; changing the goal is up to the caller.
@@ -136,7 +137,9 @@ class Repair(_PlainData):
         """
         if not self.edits:
             return
-        with world.transaction(author, f"so that there is a plan: {self.text}", writer=writer, holder=holder) as tx:
+        with world.transaction(
+            author, Message("so that there is a plan: {text}", text=self.text), writer=writer, holder=holder
+        ) as tx:
             for edit in self.edits:
                 edit.write(tx)
 

@@ -8,6 +8,7 @@ from typing import Generic, Protocol, TypeVar
 
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.interruptions import Interruption
+from skiros_py.messages import Message
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.planners.planner import FuturePending, Planners
@@ -183,7 +184,7 @@ class Check:
         for index, step in enumerate(self.rest):
             gone = [name for name in tokens_of((step,)) if not stocked.has(name)]
             if gone:
-                return Flaw(index, Verdict(False, f"nothing is left in stock for {gone[0]}"))
+                return Flaw(index, Verdict(False, Message("nothing is left in stock for {gone}", gone=gone[0])))
         overlay, visited = supposing(stocked, self.running, self.skills, self.reached)
         return replay(overlay, self.rest, self.goal, self.skills, reached=visited)
 

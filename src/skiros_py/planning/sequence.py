@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 
+from skiros_py.messages import Message
 from skiros_py.skills.conditions import Condition, Verdict, judge
 from skiros_py.skills.conditions.effects import Relate, effects_of
 from skiros_py.skills.inference.inferring import applying
@@ -119,8 +120,19 @@ class Round:
             return None
         last = self.reached.get(robot, number)
         if number < last:
-            text = f"{robot} comes to {place} (sequence number {number}) after number {last}"
-            return Verdict(False, f"{text}: sequence numbers count here, so no robot visits a lower one after a higher")
+            text = Message(
+                "{robot} comes to {place} (sequence number {number}) after number {last}",
+                robot=robot,
+                place=place,
+                number=number,
+                last=last,
+            )
+            return Verdict(
+                False,
+                Message(
+                    "{text}: sequence numbers count here, so no robot visits a lower one after a higher", text=text
+                ),
+            )
         self.reached[robot] = number
         return None
 
@@ -130,6 +142,15 @@ class Round:
             return None
         for earlier, condition in self._wanted:
             if earlier[0] < turn[0] and not judge(condition, view):
-                text = f"{moved} goes to {turn[1]} (work number {turn[0]}) before {condition} holds"
-                return Verdict(False, f"{text}: {earlier[1]} has work number {earlier[0]} and is done first")
+                text = Message(
+                    "{moved} goes to {place} (work number {number}) before {condition} holds",
+                    moved=moved,
+                    place=turn[1],
+                    number=turn[0],
+                    condition=condition,
+                )
+                first = {"place": earlier[1], "number": earlier[0]}
+                return Verdict(
+                    False, Message("{text}: {place} has work number {number} and is done first", text=text, **first)
+                )
         return None

@@ -9,6 +9,7 @@ from functools import cached_property
 from itertools import islice
 
 from skiros_py.errors import PlanningError
+from skiros_py.messages import Message, all_of, listed
 from skiros_py.planning.domain.numbers import endless_changes, number_needs
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
@@ -19,7 +20,6 @@ from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.explaining import explain
 from skiros_py.planning.explanation.shortfalls import shortfall, uncounted
 from skiros_py.planning.explanation.trial import Trial
-from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Plan, Repair
 from skiros_py.planning.plan_validation import Wrong, validate
 from skiros_py.planning.planners.planner import Planner, Planners, Unsolvable, wait_for
@@ -381,8 +381,10 @@ class SolverLoop:
             if not isinstance(outcome, Wrong):
                 break
             why, edits = shortfall(task, outcome.steps)
-            text = f"{listed(map(str, cause.conditions))} cannot be reached: {why}"
-            repairs = [Repair(" and ".join(map(str, edits)), edits)] if edits and cause.conditions == self.goal else []
+            text = Message(
+                "{conditions} cannot be reached: {why}", conditions=listed(map(str, cause.conditions)), why=why
+            )
+            repairs = [Repair(all_of(list(map(str, edits))), edits)] if edits and cause.conditions == self.goal else []
             causes = (replace(cause, text=text, why=why), *others)
             return NoPlan(tuple(one.text for one in causes), causes, (*repairs, *answer.repairs))
         return answer

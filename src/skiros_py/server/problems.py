@@ -18,6 +18,7 @@ from starlette.exceptions import HTTPException
 
 from skiros_py import errors
 from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
+from skiros_py.messages import messages_in
 from skiros_py.station.requests import Seen
 
 _log = logging.getLogger(__name__)
@@ -159,6 +160,7 @@ def problem_response(request: Request, problem: Problem) -> Response:
         code=problem.code,
         instance=getattr(request.state, "id", ""),
         **{"return_status": _return_status(request, problem), **problem.extra},
+        texts=messages_in((problem.detail, problem.extra)),
     )
     # In ASCII, since a refused text may contain characters that cannot be encoded in UTF-8.
     content = json.dumps(details.model_dump(exclude_none=True), default=str)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from skiros_py.api.alarms import AlarmKind, Severity
+from skiros_py.messages import Message
 from skiros_py.server.access.audit import AuditLog
 from skiros_py.server.access.authenticator import Authenticator, check_access
 from skiros_py.server.access.keys import KeyStore, open_access
@@ -112,7 +113,12 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
     store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
 
     def on_dead(post: Post, why: str) -> None:
-        text = f"{post.webhook} did not get {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
+        text = Message(
+            "{webhook} did not get {message} ({why}): see the dead letters of the webhooks",
+            webhook=post.webhook,
+            message=post.job or "ping",
+            why=why,
+        )
         station.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
     sender = WebhookSender(store, lambda: station.session, announced_job, hosts, on_dead=on_dead)

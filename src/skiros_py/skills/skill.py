@@ -8,6 +8,7 @@ from math import inf
 from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
 from skiros_py.skills.conditions import (
     Computed,
@@ -61,7 +62,10 @@ def _is_on_robot(view: WorldView, agent: str, device: str) -> Verdict:
 
 def _is_piece(view: WorldView, whole: str, piece: str) -> Verdict:
     holds = whole in _wholes(view, piece)
-    return Verdict(holds, f"{piece} is {'a' if holds else 'no'} piece of {whole}")
+    said = {"piece": piece, "whole": whole}
+    if holds:
+        return Verdict(True, Message("{piece} is a piece of {whole}", **said))
+    return Verdict(False, Message("{piece} is no piece of {whole}", **said))
 
 
 def _wholes(view: WorldView, element: str) -> Iterator[str]:

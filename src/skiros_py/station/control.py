@@ -12,6 +12,7 @@ from contextlib import nullcontext, suppress
 from typing import Any, TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
+from skiros_py.messages import Message, joined
 from skiros_py.station.requests import admitted
 from skiros_py.station.session import Session
 
@@ -218,8 +219,8 @@ class ControlThread:
     def _present(self) -> Session:
         session = self._session
         if session is None:
-            why = f": {self.fault}" if self.fault is not None else ""
-            raise Busy(f"the station is not running{why}", retry_after=5.0)
+            text = Message("the station is not running")
+            raise Busy(text if self.fault is None else joined(": ", (text, str(self.fault))), retry_after=5.0)
         return session
 
     @property
@@ -287,7 +288,7 @@ class ControlThread:
         if not answer.done() and self._session is None:  # another caller has requested reopening first
             wait([answer], _OPENING)
         if not answer.done() and answer.cancel():
-            raise Busy(f"the control cycle did not run within {_PATIENCE:g} s")
+            raise Busy(Message("the control cycle did not run within {seconds:g} s", seconds=_PATIENCE))
         wait([answer], _PATIENCE)
         if not answer.done():
             raise DeviceError(

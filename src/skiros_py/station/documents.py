@@ -14,6 +14,7 @@ from skiros_py.api.alarms import AlarmKind
 from skiros_py.behaviours import Behaviour, DocumentKind, Review
 from skiros_py.errors import DocumentError, DocumentFault, Refused, SkirosError, UsageError, WrongState
 from skiros_py.interruptions import limited
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import nodes_of
 from skiros_py.skills.lint.checking import faults_of_document
 from skiros_py.skills.lint.rule import Known
@@ -68,7 +69,7 @@ class DocumentService(Service):
                 try:
                     made = self._make(self._kind(kind), document.data, _module(kind, document.name))
                 except UsageError as error:
-                    text = f"{_module(kind, document.name)} cannot run: {error}"
+                    text = Message("{module} cannot run: {error}", module=_module(kind, document.name), error=error)
                     _log.warning("%s", text)
                     self._station.alarms.raise_(AlarmKind.MODULE, text, _module(kind, document.name))
                 else:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from skiros_py.errors import Busy, NotFound, Refused, StaleVersion, UnknownName
 from skiros_py.files import RDF_TYPES
+from skiros_py.messages import Message
 from skiros_py.station.session import Session
 from skiros_py.world.world import World
 
@@ -88,10 +89,13 @@ def require_seen(seen: Seen | None, now: int) -> None:
         StaleVersion: The author has seen a different version.
     """
     if seen is None:
-        raise Refused("VersionMissing", f'say which version you have seen: If-Match: "{now}" is the current one')
+        raise Refused(
+            "VersionMissing", Message('say which version you have seen: If-Match: "{now}" is the current one', now=now)
+        )
     if seen.version not in (None, now):
         raise StaleVersion(
-            f"version {seen.version} is not the current one: it was changed since; look again", present=now
+            Message("version {version} is not the current one: it was changed since; look again", version=seen.version),
+            present=now,
         )
 
 

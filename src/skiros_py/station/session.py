@@ -18,6 +18,7 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import RunDigest, Runtime, RuntimeOptions
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.listeners import Listeners
+from skiros_py.messages import Message
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
 from skiros_py.plugins.plugin import PluginFault
@@ -349,9 +350,17 @@ class Session(AbstractContextManager["Session"]):
             raise UnknownName("skill manager", agent, self.managers)
         manager = self.who_runs(module) if agent is None else self.managers[agent]
         if manager.lost:
-            raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
+            raise WrongState(
+                Message("the skill manager of {agent} is lost: {lost}", agent=manager.agent, lost=manager.lost)
+            )
         if module in manager.running:
-            raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")
+            raise WrongState(
+                Message(
+                    "{module} of {agent} is running already: wait for its end, or stop it",
+                    module=module,
+                    agent=manager.agent,
+                )
+            )
         return manager.start(module, arguments)
 
     def who_runs(self, module: str) -> SkillManager:
@@ -435,7 +444,9 @@ class Session(AbstractContextManager["Session"]):
             raise UsageError("the session is closed")
         if not self.spec.robots and not self.managers:
             iri = "https://w3id.org/skiros-py/robots/mobile_panda"
-            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as <{iri}>")
+            raise UsageError(
+                Message("scene '{scene}' has no robot: import one, such as <{iri}>", scene=self.scene, iri=iri)
+            )
         return self._read_goal(goal)
 
     def _read_goal(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
@@ -448,7 +459,10 @@ class Session(AbstractContextManager["Session"]):
             raise UsageError("the goal is empty: nothing is wanted")
         if not conditions:
             raise UsageError(
-                f"scene '{self.scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'"
+                Message(
+                    "scene '{scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'",
+                    scene=self.scene,
+                )
             )
         return conditions
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from skiros_py.api.alarms import StopInfo
 from skiros_py.api.wire import moment
 from skiros_py.errors import FileError, SkirosError, WrongState
+from skiros_py.messages import Message
 from skiros_py.station.control import CLOSING, ControlThread
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.session import Session
@@ -54,7 +55,9 @@ class HaltMark:
         except FileNotFoundError:
             return None
         except OSError as error:
-            return Halt(f"the stored stop cannot be read, so everything is halted: {error}", "", 0.0)
+            return Halt(
+                Message("the stored stop cannot be read, so everything is halted: {error}", error=error), "", 0.0
+            )
         try:
             why, by, since = json.loads(text)
             self._wanted = Halt(str(why), str(by), float(since))
@@ -212,7 +215,7 @@ class Stops:
             try:
                 session.reset()
             except SkirosError as error:
-                raise WrongState(f"not yet: {error}") from None
+                raise WrongState(Message("not yet: {error}", error=error)) from None
             self._forget()
             return True
 
@@ -221,7 +224,7 @@ class Stops:
             try:
                 self._control.reopen()
             except SkirosError as error:
-                raise WrongState(f"the station cannot be opened again: {error}") from None
+                raise WrongState(Message("the station cannot be opened again: {error}", error=error)) from None
         done = self._control.call(do, urgent=True)
         if done or failed:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})

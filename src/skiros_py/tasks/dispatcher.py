@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from skiros_py.errors import DiskFault, UsageError, WorldError
 from skiros_py.execution.running import RunningModule
+from skiros_py.messages import Message
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
@@ -264,11 +265,11 @@ class Dispatcher:
 
     def leave(self) -> None:
         """Stops all running steps at once and releases the reservations: those of moving devices once at rest."""
-        why = self._context.cycle.halted or "stopped"
+        why = self._context.cycle.halted or Message("stopped")
         for one in self._active:
             one.running.stop()
             data = {"reason": why, **one.running.account}
-            self._trace.write(TraceEventKind.CANCELLED, f"{self._said(one.step)} is cancelled: {why}", data, one.run)
+            self._trace.write(TraceEventKind.CANCELLED, _cancelled(self._said(one.step), why), data, one.run)
         braking = tuple(one.running for one in self._active)
         moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
         self._agenda.running.clear()
@@ -304,11 +305,11 @@ class Dispatcher:
         if wanted is Mode.PAUSE:
             for one in self._active:
                 one.running.pause()
-            self._trace.write(TraceEventKind.PAUSED, "pauses: everything comes to a standstill where it is")
+            self._trace.write(TraceEventKind.PAUSED, Message("pauses: everything comes to a standstill where it is"))
         elif before is Mode.PAUSE:
             for one in self._active:
                 one.running.resume()
-            said = "goes on" if wanted is Mode.RUN else "goes on by one step"
+            said = Message("goes on") if wanted is Mode.RUN else Message("goes on by one step")
             self._trace.write(TraceEventKind.RESUMED, said)
 
     # ------------------------------------------------------------------ one step
@@ -321,7 +322,7 @@ class Dispatcher:
             return False
         managers = self._context.managers
         if agent in managers and step.skill in managers[agent].running:
-            self._write_wait(step, f"{step.skill} of {agent} is running already")
+            self._write_wait(step, Message("{skill} of {agent} is running already", skill=step.skill, agent=agent))
             return False
         return True
 
@@ -349,16 +350,16 @@ class Dispatcher:
             for one in waits:
                 one.result()
         except DiskFault as fault:  # the next cycle prepares it again
-            self._task.ended(run, Failure(f"it was not started: {fault}", CANCELLED))
+            self._task.ended(run, Failure(Message("it was not started: {fault}", fault=fault), CANCELLED))
             return
         run = replace(run, start=self._context.now)
         self._round_began = True
         self._used = None
-        self._trace.write(TraceEventKind.STARTED, f"{self._said(run.step)} starts", {}, run)
+        self._trace.write(TraceEventKind.STARTED, Message("{step} starts", step=self._said(run.step)), {}, run)
         managers, task = self._context.managers, self._task.name
         try:
             if run.agent not in managers:
-                raise UsageError(f"the skill manager of {run.agent} is gone")
+                raise UsageError(Message("the skill manager of {agent} is gone", agent=run.agent))
             parent = step_id(task, run.number)
             running = managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
         except UsageError as refusal:
@@ -371,7 +372,7 @@ class Dispatcher:
     def _forget_coming(self) -> None:
         """Drops the steps that wait for the disk; they were never started."""
         for run, _ in self._coming.values():
-            self._task.ended(run, Failure("it was not started", CANCELLED))
+            self._task.ended(run, Failure(Message("it was not started"), CANCELLED))
         self._coming.clear()
 
     def _take_from_stock(self, index: int) -> Failure | None:
@@ -381,7 +382,9 @@ class Dispatcher:
         if not tokens:
             return None
         try:
-            with self._context.world.transaction(self._task.name, f"{self._said(step)} is next") as tx:
+            with self._context.world.transaction(
+                self._task.name, Message("{step} is next", step=self._said(step))
+            ) as tx:
                 taken = {token: take(tx, token) for token in tokens}
         except WorldError as refusal:
             return Failure(str(refusal), CANCELLED)  # caused by the plan, not by the step
@@ -416,12 +419,16 @@ class Dispatcher:
         self._ended.append(StepEnd(run, self._skills[run.step.skill], outcome, now))
         said, data = self._said(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
-            what = TraceEventKind.CANCELLED if outcome.code == CANCELLED else TraceEventKind.FAILED
-            verb = "is cancelled" if outcome.code == CANCELLED else "failed"
+            what, text = TraceEventKind.CANCELLED, _cancelled(said, outcome.reason)
+            if outcome.code != CANCELLED:
+                what = TraceEventKind.FAILED
+                text = Message("{step} failed: {reason}", step=said, reason=outcome.reason)
             more = {"reason": outcome.reason, "code": outcome.code, **outcome.values}
-            self._trace.write(what, f"{said} {verb}: {outcome.reason}", data | more, run)
+            self._trace.write(what, text, data | more, run)
         else:
-            self._trace.write(TraceEventKind.ENDED, f"{said} is done", data | {"message": outcome.message}, run)
+            self._trace.write(
+                TraceEventKind.ENDED, Message("{step} is done", step=said), data | {"message": outcome.message}, run
+            )
         self._task.ended(run, outcome)
 
     # ------------------------------------------------------------------ robots and things
@@ -446,7 +453,7 @@ class Dispatcher:
             return self._goes_on
         others = reservations.waits_for(who)
         for index in self._agenda.ready[:1] if others else ():
-            self._write_wait(self._agenda.steps[index], "for " + ", ".join(others))
+            self._write_wait(self._agenda.steps[index], Message("for {things}", things=", ".join(others)))
         return False
 
     def _meet(self, one: Active, step: Step) -> bool:
@@ -459,7 +466,7 @@ class Dispatcher:
 
     def _write_wait(self, step: Step, why: str) -> None:
         """Writes that a step has to wait; once per plan and reason."""
-        text = f"{self._said(step)} waits: {why}"
+        text = Message("{step} waits: {why}", step=self._said(step), why=why)
         if text not in self._waits:
             self._waits.add(text)
             run = StepRun(0, step, self._agent(step), self._context.now)
@@ -470,3 +477,7 @@ class Dispatcher:
 
     def _said(self, step: Step) -> str:
         return describe_step(step, self._skills[step.skill])
+
+
+def _cancelled(step: str, why: str) -> Message:
+    return Message("{step} is cancelled: {why}", step=step, why=why)

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from skiros_py.errors import SkirosError
 from skiros_py.execution.module_faults import words
+from skiros_py.messages import Message, joined
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import StopWanted, TaskContext
@@ -48,12 +49,14 @@ class TaskExecutor(ABC):
             PlanningError: The planner failed before any step was run.
         """
         task, record = self._task, self.record
-        self._trace.write(TraceEventKind.BEGUN, f"{task.name}: {self._title()}")
+        self._trace.write(TraceEventKind.BEGUN, joined(": ", (task.name, self._title())))
         try:
             yield from self._until_stopped()
             task.report = record.report()
         except Exception as error:
-            record.fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
+            record.fault = (
+                str(error) if isinstance(error, SkirosError) else Message("it broke: {error}", error=words(error))
+            )
             with suppress(Exception):  # ignore further errors: the first one counts
                 yield from self._halt(record.fault)
             task.report = record.report()
@@ -62,7 +65,7 @@ class TaskExecutor(ABC):
             self._leave()
             if task.report is None:  # the system was halted, or user code blocked the control cycle
                 task.report = record.report_cut_off()
-            self._trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
+            self._trace.write(TraceEventKind.FINISHED, joined(": ", (task.name, task.report.outcome.value)))
         return task.report
 
     @abstractmethod
@@ -86,8 +89,10 @@ class TaskExecutor(ABC):
             yield from self._work()
         except StopWanted as wish:
             self.record.stopped = True
-            self._trace.write(TraceEventKind.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
-            yield from self._halt(str(wish) or "stopped")
+            why = str(wish)
+            text = Message("is stopped: {why}", why=why) if why else Message("is stopped")
+            self._trace.write(TraceEventKind.STOPPED, text)
+            yield from self._halt(why or Message("stopped"))
 
     def _halt(self, reason: str) -> Execution[None]:
         """Stops all running steps and waits until they have come to rest."""

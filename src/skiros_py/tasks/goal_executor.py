@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from skiros_py.messages import Message, joined
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
@@ -55,7 +56,9 @@ class GoalExecutor(TaskExecutor):
                 continue
             self._rounds -= 1
             if (yield from self._is_right_for(kept)):
-                self._trace.write(TraceEventKind.RETRIED, f"{self._trouble}: it is tried again")
+                self._trace.write(
+                    TraceEventKind.RETRIED, Message("{trouble}: it is tried again", trouble=self._trouble)
+                )
             else:
                 planned = yield from self._plan(kept)
                 if isinstance(planned.outcome, NoPlan):
@@ -79,7 +82,7 @@ class GoalExecutor(TaskExecutor):
             progress = self._attend()
             if progress.failed:
                 step, failure = progress.failed[-1]
-                self._trouble = f"{step.skill} failed: {failure.reason}"
+                self._trouble = Message("{step} failed: {reason}", step=step.skill, reason=failure.reason)
                 return
             if progress.done:
                 return
@@ -101,7 +104,7 @@ class GoalExecutor(TaskExecutor):
     def _wind_up(self) -> Execution[None]:
         """Ends the steps that still run although the task is done."""
         if self._progress.running:
-            self._dispatcher.cancel(self._progress.running, "nothing more is to be done")
+            self._dispatcher.cancel(self._progress.running, Message("nothing more is to be done"))
             yield from self._let_end()
 
     def _let_end(self) -> Execution[None]:
@@ -126,7 +129,8 @@ class GoalExecutor(TaskExecutor):
         """Plans for the remaining goal while unaffected steps keep running."""
         self._task.phase = "planning"
         if self._monitor is not None:
-            self._trace.write(TraceEventKind.REPLANS, f"replans: {self._trouble or 'the goal does not hold yet'}")
+            why = self._trouble or Message("the goal does not hold yet")
+            self._trace.write(TraceEventKind.REPLANS, Message("replans: {why}", why=why))
         self._skills = {**self._skills, **{c.skill.name: c.skill for c in self._context.capabilities}}
         lasting = [one.step for one in self._progress.running if one not in self._doubtful and not one.leaving]
         planned = yield from self._meanwhile(self._replanner.plan(kept, lasting))
@@ -144,12 +148,13 @@ class GoalExecutor(TaskExecutor):
             self._monitor.close()
         self._monitor = PlanMonitor(self._context, self._task.control, kept, self._skills)
         self._task.plan = plan
-        said = ", then ".join(describe_step(step, self._skills[step.skill]) for step in plan.steps)
-        self._trace.write(TraceEventKind.PLANNED, f"plan: {said or 'nothing is to be done'}", plan.as_json())
+        said = "; ".join(describe_step(step, self._skills[step.skill]) for step in plan.steps)
+        text = Message("plan: {steps}", steps=said or Message("nothing is to be done"))
+        self._trace.write(TraceEventKind.PLANNED, text, plan.as_json())
 
     @property
     def _why_cancelled(self) -> str:
-        return f"the plan no longer leads to the goal: {self._trouble}"
+        return Message("the plan no longer leads to the goal: {trouble}", trouble=self._trouble)
 
     # ------------------------------------------------------------------ what cannot be reached
 
@@ -158,7 +163,8 @@ class GoalExecutor(TaskExecutor):
         if not self.record.steps:
             self.record.no_plan = answer.reasons
             self._context.on_plan(planned)
-        self._trace.write(TraceEventKind.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
+        text = Message("no plan: {reasons}", reasons=joined("; ", answer.reasons))
+        self._trace.write(TraceEventKind.NO_PLAN, text, answer.as_json())
         self._dispatcher.cancel(self._doubtful, self._why_cancelled)
         self._doubtful = ()
         if self._progress.running:  # once the running steps have ended, the world model is more reliable
@@ -175,12 +181,14 @@ class GoalExecutor(TaskExecutor):
         """Returns unmet conditions that name an excluded target, with the reason."""
         out, attempts = self.record.left_out, self._task.policy.attempts
         concerned = (c for c in goal if out.intersection(c.arguments))
-        return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._context.world)}
+        reason = Message("gave up after {count} tries", count=attempts)
+        return {c: reason for c in concerned if not believed(c, self._context.world)}
 
     def _not_reached(self, goal: Sequence[Condition]) -> dict[Condition, str]:
         """Returns the unmet conditions when no round is left, with the reason."""
-        last = f": {self._trouble}" if self._trouble else ""
-        reason = f"gave up after {self._most_rounds} plans and retries{last}"
+        reason = Message("gave up after {count} plans and retries", count=self._most_rounds)
+        if self._trouble:
+            reason = joined(": ", (reason, self._trouble))
         return {c: reason for c in goal if not believed(c, self._context.world)}
 
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
@@ -192,9 +200,9 @@ class GoalExecutor(TaskExecutor):
             if isinstance(planned.outcome, Plan):
                 kept.append(condition)
             else:
-                dropped[condition] = "; ".join(planned.outcome.reasons)
+                dropped[condition] = joined("; ", planned.outcome.reasons)
         if not dropped:  # a single condition; or each was reachable in turn, so the planner is wrong
-            dropped = {condition: "; ".join(answer.reasons) for condition in goal}
+            dropped = {condition: joined("; ", answer.reasons) for condition in goal}
         return dropped
 
     def _give_up(self, dropped: Mapping[Condition, str]) -> Execution[None]:
@@ -204,11 +212,12 @@ class GoalExecutor(TaskExecutor):
             if not self._task.policy.ask:
                 self._drop(condition, reason, why)
             elif (by := (yield from self._help(condition, why))) is not None:
-                self._drop(condition, f"skipped by {by}: {reason}", f"{by} skips it: {why}")
+                skipped = Message("skipped by {by}: {reason}", by=by, reason=reason)
+                self._drop(condition, skipped, Message("{by} skips it: {why}", by=by, why=why))
 
     def _drop(self, condition: Condition, reason: str, text: str) -> None:
         self.record.given_up[condition] = reason
-        text = f"{condition} is given up: {text}"
+        text = Message("{condition} is given up: {text}", condition=condition, text=text)
         self._trace.write(TraceEventKind.GIVEN_UP, text, {"condition": str(condition)})
 
     def _help(self, condition: Condition, why: str) -> Execution[str | None]:
@@ -217,12 +226,14 @@ class GoalExecutor(TaskExecutor):
         Raises:
             StopWanted: The user chose to end the whole task.
         """
-        said = f"{condition} cannot be reached: "  # a planning reason may start with the same text
-        text = said + why.removeprefix(said)
+        text = why
+        if not why.startswith(f"{condition} cannot be reached: "):  # as a planning reason may do
+            text = Message("{conditions} cannot be reached: {why}", conditions=condition, why=why)
         while True:
             self._trace.write(TraceEventKind.ASKED, text)
             choice, by = yield from self._answer(condition, text)
-            self._trace.write(TraceEventKind.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
+            said = Message("{by} answers: {choice}", by=by, choice=choice)
+            self._trace.write(TraceEventKind.ANSWERED, said, {"choice": choice.value, "by": by})
             self._rounds = self._most_rounds
             match choice:
                 case Choice.RETRY:
@@ -234,7 +245,7 @@ class GoalExecutor(TaskExecutor):
                 case Choice.SKIP:
                     return by
                 case Choice.ABORT:
-                    raise StopWanted(f"aborted by {by}")
+                    raise StopWanted(Message("aborted by {by}", by=by))
             if refusal is None:
                 self.record.forgive(condition)
                 return None

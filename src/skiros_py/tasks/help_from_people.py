@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
+from skiros_py.messages import Message
 from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import effects_of, write_effects
@@ -102,9 +103,12 @@ def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure
             with suppress(DescriptionError):
                 write_by_hand(world, (condition,), by)
         except SkirosError as error:
-            refused = f": {error}"
+            refused = str(error)
     verdict = believed(condition, world)
-    return None if verdict else Failure(f"{condition} is still not believed{refused or f': {verdict.why}'}")
+    why = refused or verdict.why
+    return (
+        None if verdict else Failure(Message("{condition} is still not believed: {why}", condition=condition, why=why))
+    )
 
 
 def _able(context: TaskContext) -> frozenset[tuple[str, str]]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from skiros_py.errors import SkirosError
+from skiros_py.messages import Message
 from skiros_py.planning.plan import Step
 from skiros_py.planning.replay import Flaw
 from skiros_py.planning.requests import Asked, Check, Checked
@@ -156,7 +157,7 @@ class PlanMonitor:
         try:
             answer = asked.result()
         except SkirosError as error:
-            return Flaw(None, Verdict(False, f"the replay: {error}"))
+            return Flaw(None, Verdict(False, Message("the replay: {error}", error=error)))
         self._staleness.read(answer.value.keys, answer.version)
         return answer.value.flaw
 
@@ -170,5 +171,8 @@ class PlanMonitor:
         for index, step in enumerate(progress.rest):
             agent = step.arguments[self._skills[step.skill].agent]
             if not self._context.offers(agent, step.skill):
-                return Flaw(index, Verdict(False, f"{agent} has no skill {step.skill} any more"))
+                return Flaw(
+                    index,
+                    Verdict(False, Message("{agent} has no skill {skill} any more", agent=agent, skill=step.skill)),
+                )
         return None

@@ -6,6 +6,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping, Sequence
 
+from skiros_py.messages import Message
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
@@ -157,10 +158,12 @@ class TaskRecord:
         """Returns the last failure; if there was none, why there is no plan."""
         failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
         if not failed:
-            return given_up.get(condition, "it does not hold any more")
+            return given_up.get(condition, Message("it does not hold any more"))
         target, reason = failed[-1]
-        gave_up = f"; gave up on {target} after {self._attempts} failed tries" if target in self.left_out else ""
-        return reason + gave_up
+        if target not in self.left_out:
+            return reason
+        said = {"reason": reason, "thing": target, "count": self._attempts}
+        return Message("{reason}; gave up on {thing} after {count} failed tries", **said)
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Returns True if the step's target, or an element it moves, occurs in the condition."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import count, islice
 
+from skiros_py.messages import Message, joined
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
@@ -41,7 +42,7 @@ class SequenceExecutor(TaskExecutor):
         self._skills = {c.skill.name: c.skill for c in context.capabilities}
 
     def _title(self) -> str:
-        return f"{len(self._steps)} steps"
+        return Message("{count} steps", count=len(self._steps))
 
     def _work(self) -> Execution[None]:
         self._task.plan, self._task.phase = Plan(self._steps), "running"
@@ -54,7 +55,7 @@ class SequenceExecutor(TaskExecutor):
         checks = yield from self._checks()
         broken = [c for c in checks if not c.agent or (c.problems and not self._anyway)]
         if broken:
-            self.record.fault = f"round {number} cannot work: {self._said(broken[0])}"
+            self.record.fault = Message("round {number} cannot work: {why}", number=number, why=self._said(broken[0]))
             return False
         plan = Plan(tuple(self._with_agent(check) for check in checks))
         self._task.plan = plan
@@ -76,7 +77,7 @@ class SequenceExecutor(TaskExecutor):
     def _said(self, check: StepCheck) -> str:
         skill = self._skills.get(check.step.skill)  # gone with its manager before the first cycle
         step = check.step.skill if skill is None else short_step(check.step, skill)
-        return f"{step}: {'; '.join(check.problems)}"
+        return joined(": ", (step, joined("; ", check.problems)))
 
     def _carry_out(self) -> Execution[bool]:
         failures = 0
@@ -93,8 +94,10 @@ class SequenceExecutor(TaskExecutor):
 
     def _is_too_much(self, failures: int, step: Step, failure: Failure) -> bool:
         if failures < self._task.policy.attempts:
-            self._trace.write(TraceEventKind.RETRIED, f"{step.skill} failed: {failure.reason}: it is tried again")
+            trouble = Message("{step} failed: {reason}", step=step.skill, reason=failure.reason)
+            self._trace.write(TraceEventKind.RETRIED, Message("{trouble}: it is tried again", trouble=trouble))
             return False
         said = describe_step(step, self._skills[step.skill])
-        self.record.fault = f"{said} failed {failures} times: {failure.reason}"
+        failed = {"step": said, "count": failures, "reason": failure.reason}
+        self.record.fault = Message("{step} failed {count} times: {reason}", **failed)
         return True

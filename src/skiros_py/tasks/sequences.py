@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.module_faults import contained
+from skiros_py.messages import Message
 from skiros_py.planning.domain.actions import needs_of, with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.planner import Planners
@@ -110,7 +111,7 @@ def _problems(overlay: Overlay, skill: SkillDescription, found: Cast) -> list[st
     except SkirosError as error:
         return [*problems, str(error)]
     after = [judge(c, overlay, values) for c in applying(skill.post, values)]
-    return problems + [f"{v.text} does not follow" for v in after if not v and not problems]
+    return problems + [Message("{text} does not follow", text=v.text) for v in after if not v and not problems]
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +142,7 @@ def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[
     if able is None or skill.agent in given or found.values.get(skill.agent) in able:
         return found
     each = [_inferred(skill, given, view, agent) for agent in sorted(able)]
-    missing = Cast(given, (f"no subsystem has the skill {skill.name} any more",))
+    missing = Cast(given, (Message("no subsystem has the skill {skill} any more", skill=skill.name),))
     return next((one for one in each if not one.open), each[0] if each else missing)
 
 

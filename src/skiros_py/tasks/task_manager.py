@@ -7,6 +7,7 @@ from itertools import count
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
+from skiros_py.messages import Message, joined
 from skiros_py.planning.durations import observe
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.plan import Step
@@ -196,7 +197,7 @@ class TaskManager:
             if task.report is None:  # the system was halted before its first cycle
                 task.report = TaskRecord(self._context, task.goal, task.policy.attempts).report_cut_off()
                 task.trace.write(TraceEventKind.BEGUN, task.name)
-                task.trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
+                task.trace.write(TraceEventKind.FINISHED, joined(": ", (task.name, task.report.outcome.value)))
 
     def _execution(self, task: TaskHandle, executor: TaskExecutor) -> Execution[GoalReport]:
         self._last = executor.record
@@ -211,7 +212,7 @@ class TaskManager:
             UsageError: A task of that name is running.
         """
         if name in self._active:
-            raise UsageError(f"a task named '{name}' is under way already")
+            raise UsageError(Message("a task named '{name}' is under way already", name=name))
         taken = self._active
         name = name or next(free for n in self._names if (free := f"task {n}") not in taken)
         trace = Trace(name, lambda: self._context.now, self._context.monitor)

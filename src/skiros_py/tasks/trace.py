@@ -10,6 +10,7 @@ from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.listeners import Listeners
+from skiros_py.messages import Message, messages_in
 from skiros_py.planning.plan import Step
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
@@ -89,9 +90,10 @@ class TraceEntry:
         return f"{self.time:7.2f} s  {self.text}"
 
     def as_json(self) -> dict[str, Any]:
-        """Returns it as plain data."""
+        """Returns it as plain data, with what its texts are made of."""
         plain = {one.name: getattr(self, one.name) for one in fields(self)}
-        return plain | {"what": self.what.value, "arguments": dict(self.arguments), "data": dict(self.data)}
+        plain |= {"what": self.what.value, "arguments": dict(self.arguments), "data": dict(self.data)}
+        return plain | {"texts": messages_in((self.text, self.data))}
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +167,7 @@ class Trace:
         self._entries.append(entry)
         self._listeners.notify(entry)
         if what is TraceEventKind.WAITS and self._monitor is not None:
-            waits, own = f"waits: {entry.data['reason']}", self._task
+            waits, own = Message("waits: {why}", why=entry.data["reason"]), self._task
             event = ModuleEvent(
                 entry.time, "skill", entry.skill, Status.RUNNING, 0, waits, agent=entry.agent, task=own, id=own
             )

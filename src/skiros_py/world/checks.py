@@ -10,6 +10,7 @@ from functools import lru_cache
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Solid
+from skiros_py.messages import Message, joined
 from skiros_py.world.element import Value, is_abstract, is_learned
 from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
@@ -29,7 +30,12 @@ def number_problems(view: Index, element_id: str) -> Iterator[str]:
     for relation in _one_subject(view.ontology):
         subjects = view.subjects(relation, element_id)
         if len(subjects) > 1:
-            yield f"{element_id} is the {relation} of {' and '.join(subjects)}: it can be so of one only"
+            yield Message(
+                "{thing} is the {relation} of {subjects}: it can be so of one only",
+                thing=element_id,
+                relation=relation,
+                subjects=" and ".join(subjects),
+            )
 
 
 def _number_problem(view: Index, element_id: str, number: Cardinality) -> Iterator[str]:
@@ -153,20 +159,33 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
         return str(UnknownName("relation", relation, ontology.relations))
     declared = ontology.relations[relation]
     if declared.family is Family.COMPUTED:
-        return f"{relation} is computed by a reasoner and never stored"
+        return Message("{relation} is computed by a reasoner and never stored", relation=relation)
     if is_learned(subject) != is_learned(object_):
         return (
             f"{subject} {relation} {object_}: what is learned outlives the scene, so neither may refer to the other;"
             " say by sk:appliesTo which class it is about"
         )
     faults = [
-        f"its {end} must be a {' or '.join(missed)}, and {name} is a {view.element(name).type}"
+        Message(
+            "its {end} must be a {kind}, and {thing} is a {other}",
+            end=end,
+            kind=" or ".join(missed),
+            thing=name,
+            other=view.element(name).type,
+        )
         for end, name, allowed in (("subject", subject, declared.domains), ("object", object_, declared.ranges))
         if (missed := ontology.missed_end(view.element(name).type, allowed))
     ]
     if not faults:
         return None
-    return f"{subject} {relation} {object_}: {'; '.join(faults)}. {_allowed(view, subject, object_)}"
+    return Message(
+        "{subject} {relation} {object}: {faults}. {allowed}",
+        subject=subject,
+        relation=relation,
+        object=object_,
+        faults=joined("; ", faults),
+        allowed=_allowed(view, subject, object_),
+    )
 
 
 def checked_value(ontology: Ontology, element_id: str, type_: str, property_: str, value: Value | None) -> Value | None:
@@ -241,23 +260,37 @@ def _allowed(view: Index, subject: str, object_: str) -> str:
         and len(ontology.sub_relations(r.curie)) == 1
         and not any(ontology.missed_end(t, end) for t, end in zip(types, (r.domains, r.ranges), strict=True))
     ]
-    return f"From a {types[0]} to a {types[1]} there may be: {', '.join(fitting) or 'nothing'}"
+    there = ", ".join(fitting) or Message("nothing")
+    return Message(
+        "From a {kind} to a {other} there may be: {relations}", kind=types[0], other=types[1], relations=there
+    )
 
 
 def _tie_problems(view: Index, element_id: str) -> Iterator[str]:
     """Checks that every element is in one place, or part of one thing and moves with it."""
     owners, placement = view.owners(element_id), view.placement(element_id)
     if len(owners) > 1:
-        yield f"{element_id} is a piece of {' and '.join(owners)}: a piece has one owner"
+        yield Message(
+            "{thing} is a piece of {owners}: a piece has one owner", thing=element_id, owners=" and ".join(owners)
+        )
     if owners and placement is not None:
-        yield f"{element_id} is a piece of {owners[0]} and goes with it: it can have no placement of its own"
+        yield Message(
+            "{thing} is a piece of {owners} and goes with it: it can have no placement of its own",
+            thing=element_id,
+            owners=owners[0],
+        )
     if owners or placement is not None or is_abstract(element_id):
         return
     ontology, type_ = view.ontology, view.element(element_id).type
     if ontology.is_a(type_, SPATIAL_THING) and not ontology.is_a(type_, ROOT):
         relations = sorted(r for r in ontology.relations if ontology.is_placement(r))
         leaves = ", ".join(r for r in relations if len(ontology.sub_relations(r)) == 1)
-        yield f"{element_id} ({type_}) is nowhere: give it a placement ({leaves}) or an owner"
+        yield Message(
+            "{thing} ({kind}) is nowhere: give it a placement ({relations}) or an owner",
+            thing=element_id,
+            kind=type_,
+            relations=leaves,
+        )
 
 
 def _parents(view: Index, element_id: str) -> tuple[str, ...]:

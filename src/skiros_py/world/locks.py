@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from skiros_py.errors import Locked, UsageError
+from skiros_py.messages import Message, joined
 
 _LONGEST = 24 * 3600.0
 """Maximum duration of a lock [s], since its owner may have left."""
@@ -121,7 +122,16 @@ class Locks:
         if not others:
             return None
         locks = tuple((lock.element, lock.shown, lock.until - now) for lock in others)
-        return Locked("; ".join(f"{name} is locked by {who} for {left:.0f} s more" for name, who, left in locks), locks)
+        return Locked(
+            joined(
+                "; ",
+                (
+                    Message("{name} is locked by {who} for {left:.0f} s more", name=name, who=who, left=left)
+                    for name, who, left in locks
+                ),
+            ),
+            locks,
+        )
 
     def _expire(self) -> None:
         now = self.clock()

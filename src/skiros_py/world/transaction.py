@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from skiros_py.errors import WorldError
+from skiros_py.messages import Message, joined
 from skiros_py.world.change import (
     Change,
     Edit,
@@ -98,7 +99,15 @@ class Transaction:
         ontology = self._view.ontology
         if relation not in ontology.relations or not ontology.is_placement(relation) or relation == PLACEMENT:
             leaves = ", ".join(ontology.sub_relations(PLACEMENT)[1:])
-            self._refuse(element, f"'{relation}' does not place {element}: use one of {leaves}")
+            self._refuse(
+                element,
+                Message(
+                    "'{relation}' does not place {thing}: use one of {relations}",
+                    relation=relation,
+                    thing=element,
+                    relations=leaves,
+                ),
+            )
             return
         placement = Placement(relation, place)
         if self._may_relate(*ontology.placement_statement(element, placement)):
@@ -127,9 +136,25 @@ class Transaction:
             return
         placement = self._view.ontology.family(relation) is Family.PLACEMENT
         if placement and not is_abstract(subject):
-            self._refuse(subject, f"{subject} {relation} {object_} cannot be taken away: place it elsewhere instead")
+            self._refuse(
+                subject,
+                Message(
+                    "{subject} {relation} {object} cannot be taken away: place it elsewhere instead",
+                    subject=subject,
+                    relation=relation,
+                    object=object_,
+                ),
+            )
         elif not self._view.stated(subject, relation, object_):
-            self._refuse(subject, f"{subject} {relation} {object_} is not stated, so it cannot be taken back")
+            self._refuse(
+                subject,
+                Message(
+                    "{subject} {relation} {object} is not stated, so it cannot be taken back",
+                    subject=subject,
+                    relation=relation,
+                    object=object_,
+                ),
+            )
         elif placement:
             self._work.place(self._view.ontology.placed(subject, relation, object_)[0], None)
         else:
@@ -238,7 +263,10 @@ class Transaction:
     def _holds_guests(self, element_id: str) -> bool:
         """Learned elements need no placement, so no later check reports that one lost it."""
         learned = [guest for guest in self._view.contents(element_id) if is_abstract(guest)]
-        self._problems += [(guest, f"{guest} is placed in {element_id}, which would be gone") for guest in learned]
+        self._problems += [
+            (guest, Message("{guest} is placed in {thing}, which would be gone", guest=guest, thing=element_id))
+            for guest in learned
+        ]
         return bool(learned)
 
     def _put_new(self, element_id: str, class_: str, label: str, values: Mapping[str, Value]) -> None:
@@ -287,5 +315,7 @@ def _refusal(problems: list[str]) -> str:
     """All problems as one text, truncated if very long."""
     shown = [text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…" for text in problems[:_MOST_SHOWN]]
     if len(problems) > _MOST_SHOWN:
-        shown.append(f"and {len(problems) - _MOST_SHOWN} more")
-    return "\n  - ".join(["refused:", *shown]) if len(shown) > 1 else f"refused: {shown[0]}"
+        shown.append(Message("and {count} more", count=len(problems) - _MOST_SHOWN))
+    if len(shown) == 1:
+        return Message("refused: {why}", why=shown[0])
+    return joined("\n  - ", [Message("refused:"), *shown])

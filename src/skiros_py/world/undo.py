@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from collections.abc import Sequence
 
 from skiros_py.errors import StaleVersion, WorldError
+from skiros_py.messages import Message
 from skiros_py.world.change import Change, SourceEdit, Writer
 from skiros_py.world.past import subjects_of
 from skiros_py.world.world import World
@@ -24,10 +28,14 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to undo, or later changes depend on it; the text names them.
     """
     last = world.log.undoable()
-    _require(last, expects, "change {} is not the one that can be undone now")
+    _require(last, expects, partial(Message, "change {seen} is not the one that can be undone now, which is {now}: look again"))
     if last is None:
-        since = f" since change {world.log.first}, from which on changes are remembered" if world.log.first > 1 else ""
-        raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")
+        raise WorldError(
+            Message(
+                "there is nothing to undo: no edit by a person since change {first} that was not undone already",
+                first=world.log.first,
+            )
+        )
     return _revert(world, last, f"undoes change {last.number}: {last.reason}", author, holder)
 
 
@@ -45,18 +53,21 @@ def redo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to redo, or later changes depend on it; the text names them.
     """
     last = world.log.redoable()
-    _require(last, expects, "undo {} is not the one that can be reverted now")
+    _require(last, expects, partial(Message, "undo {seen} is not the one that can be reverted now, which is {now}: look again"))
     if last is None:
-        raise WorldError("there is nothing to redo: nothing was undone since the last edit by a person")
+        raise WorldError(Message("there is nothing to redo: nothing was undone since the last edit by a person"))
     if any(isinstance(edit, SourceEdit) for edit in last.edits):
-        raise WorldError("there is nothing to redo: a scene that was taken back is loaded again instead")
+        raise WorldError(Message("there is nothing to redo: a scene that was taken back is loaded again instead"))
     return _revert(world, last, f"redoes what was undone: {last.reason}", author, holder)
 
 
-def _require(last: Change | None, expects: int | None, refusal: str) -> None:
+def _require(last: Change | None, expects: int | None, refusal: Callable[..., Message]) -> None:
     if expects is not None and (last is None or last.number != expects):
-        now = "none" if last is None else f"change {last.number} ({last.author}: {last.reason})"
-        raise StaleVersion(f"{refusal.format(expects)}, which is {now}: look again")
+        now = Message("none")
+        if last is not None:
+            known = {"number": last.number, "author": last.author, "reason": last.reason}
+            now = Message("change {number} ({author}: {reason})", **known)
+        raise StaleVersion(refusal(seen=expects, now=now))
 
 
 def _revert(world: World, change: Change, reason: str, author: str, holder: str) -> Change:
@@ -66,7 +77,12 @@ def _revert(world: World, change: Change, reason: str, author: str, holder: str)
         tx.apply([edit.inverse() for edit in reversed(change.edits)])
     if tx.change is None:
         raise WorldError(
-            f"change {change.number} ({change.author}: {change.reason}) has no effect left that could be undone"
+            Message(
+                "change {number} ({author}: {reason}) has no effect left that could be undone",
+                number=change.number,
+                author=change.author,
+                reason=change.reason,
+            )
         )
     return tx.change
 
@@ -76,12 +92,26 @@ def _check(change: Change, later: Sequence[Change]) -> None:
     reverted = {c.undoes for c in later}
     undone = {c.undoes for c in later if c.number not in reverted}
     if change.number in undone:
-        raise WorldError(f"change {change.number} ({change.author}: {change.reason}) was just undone by somebody else")
+        raise WorldError(
+            Message(
+                "change {number} ({author}: {reason}) was just undone by somebody else",
+                number=change.number,
+                author=change.author,
+                reason=change.reason,
+            )
+        )
     standing = [c for c in later if c.undoes is None and c.number not in undone]
     if standing:
         first = standing[0]
         names = ", ".join(sorted(first.marks() & change.marks())) or "the goals"
         raise WorldError(
-            f"change {change.number} ({change.author}: {change.reason}) cannot be undone: {names} changed since,"
-            f" by {first.author} ({first.reason})"
+            Message(
+                "change {number} ({author}: {reason}) cannot be undone: {names} changed since, by {other} ({why})",
+                number=change.number,
+                author=change.author,
+                reason=change.reason,
+                names=names,
+                other=first.author,
+                why=first.reason,
+            )
         )

@@ -12,6 +12,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import Locked, StaleVersion, UsageError, WorldError
+from skiros_py.messages import Message, joined
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.change import Change, Edit, ElementEdit, Writer
 from skiros_py.world.element import Stamp
@@ -212,11 +213,22 @@ class World(WorldView):
             if isinstance(seen, bool) or not isinstance(seen, int):
                 raise UsageError(f"the version of {name or 'the world'} is a whole number, not {seen!r}")
             if name and not self._base.has(name) and self._ids.used(name):
-                raise StaleVersion(f"{name} is gone, and version {seen} was expected: it was removed since")
+                raise StaleVersion(
+                    Message(
+                        "{name} is gone, and version {seen} was expected: it was removed since", name=name, seen=seen
+                    )
+                )
             now = self.version if name == "" else self._base.stamp(name).change
             if now != seen:
                 what = name or "the world"
-                raise StaleVersion(f"{what} is at version {now}, and {seen} was expected: it was changed since")
+                raise StaleVersion(
+                    Message(
+                        "{what} is at version {now}, and {seen} was expected: it was changed since",
+                        what=what,
+                        now=now,
+                        seen=seen,
+                    )
+                )
 
     def _publish(self, tx: Transaction, write: _Write) -> None:
         before = self._base
@@ -225,7 +237,11 @@ class World(WorldView):
             if edits:
                 self._check_outside(before, index, edits, write)
         except WorldError as error:
-            error.args = (f"transaction of {write.author} ({write.reason}) {error}",)  # its data stay with it
+            error.args = (
+                Message(
+                    "transaction of {author} ({reason}) {error}", author=write.author, reason=write.reason, error=error
+                ),
+            )  # its data stay with it
             raise
         if edits:
             change = Change(
@@ -247,10 +263,10 @@ class World(WorldView):
             concerned = {name for edit in edits for name in edit.concerns()}
             locked = self.locks.fault(_wholes(before, after, concerned), write.holder)
             if locked is not None:
-                raise Locked(f"refused: {locked}", locked.locks)
+                raise Locked(Message("refused: {why}", why=locked), locked.locks)
         vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
         if vetoes:
-            raise WorldError(f"refused: {'; '.join(vetoes)}")
+            raise WorldError(Message("refused: {why}", why=joined("; ", vetoes)))
 
     def _notify(self) -> None:
         with self._notify_lock:

@@ -158,7 +158,7 @@ def test_a_failed_implementation_is_followed_by_the_next_and_an_event_says_so() 
 
 def test_when_all_implementations_fail_the_reasons_of_all_are_given() -> None:
     assert run(way(note("a", ends="slipped"), label="a"), way(note("b", ends="stuck"), label="b")) == Failure(
-        "slipped; then stuck"
+        "slipped; stuck"
     )
 
 

@@ -125,7 +125,7 @@ def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
 
     assert heard == [
         "kit 7: In(ball_1, slot_1)",
-        "plan: base_1: drive box_a, then arm_1: pick box_a ball_1, then arm_1: place ball_1 slot_1",
+        "plan: base_1: drive box_a; arm_1: pick box_a ball_1; arm_1: place ball_1 slot_1",
         "base_1: drive box_a starts",
         "base_1: drive box_a is done",
         "arm_1: pick box_a ball_1 starts",

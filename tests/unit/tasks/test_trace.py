@@ -56,5 +56,6 @@ def test_entries_are_plain_data_and_sentences() -> None:
         "data": {},
         "id": "kit 1#1",
         "parent": "kit 1",
+        "texts": {},
     }
     assert str(trace) == "   0.10 s  step 1 starts"

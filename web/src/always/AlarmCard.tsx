@@ -8,12 +8,13 @@ import { Answers } from "./Answers";
 import { MOODS } from "./severity";
 import { type Alarm, useAcknowledge } from "./useAlarms";
 import { ServerText } from "../goal/ServerText";
+import { said } from "../i18n/sentences";
 
 /** One alarm: severity, text, time, acknowledgement, and the possible actions. */
 export function AlarmCard({ alarm }: { alarm: Alarm }) {
   const { t } = useTranslation("always");
   return (
-    <Paper withBorder p="xs" component="article" aria-label={alarm.text}>
+    <Paper withBorder p="xs" component="article" aria-label={said(alarm.text)}>
       <Stack gap={6}>
         <Group gap="xs">
           <Status mood={MOODS[alarm.severity]} text={t(`severity.${alarm.severity}`)} />

@@ -3,6 +3,7 @@ import { useTranslation } from "react-i18next";
 import { useStation } from "../live/station";
 import { MayButton } from "../widgets/MayButton";
 import { type Alarm, useAnswer } from "./useAlarms";
+import { said } from "../i18n/sentences";
 
 /** Known answers with their meanings; skills may ask for others, which are shown unchanged. */
 const KNOWN = {
@@ -29,7 +30,7 @@ export function Answers({ alarm }: { alarm: Alarm }) {
   const answering = useAnswer();
   const halted = useStation(({ state }) => Boolean(state?.halted));
   return (
-    <Group gap={6} role="group" aria-label={t("answers.label", { text: alarm.text })}>
+    <Group gap={6} role="group" aria-label={t("answers.label", { text: said(alarm.text) })}>
       {alarm.choices.map((choice) => {
         const known = isKnown(choice) ? KNOWN[choice] : undefined;
         const early = halted && known === "retry"; // the robots cannot move before a reset

@@ -5,6 +5,7 @@ import { Moment } from "../widgets/Moment";
 import { Banner } from "./Banner";
 import { useDialogs } from "./dialogs";
 import { useHalt } from "./useHalt";
+import { said } from "../i18n/sentences";
 
 /** Everything is halted: reason, author and time, and how to continue. */
 export function HaltBanner() {
@@ -19,7 +20,7 @@ export function HaltBanner() {
   );
   return (
     <Banner tone="red" icon={IconHandStop} title={t("halt.title")} actions={reset}>
-      {halt.why} {halt.by && t("halt.by", { name: halt.by })} · <Moment at={halt.since} />
+      {said(halt.why)} {halt.by && t("halt.by", { name: halt.by })} · <Moment at={halt.since} />
       {!halt.obeyed && <strong> {t("halt.unheard")}</strong>}
     </Banner>
   );

@@ -10,6 +10,7 @@ import { problemText, problemTitle } from "../widgets/problems";
 import { useDialogs } from "./dialogs";
 import { useStopping } from "./stopping";
 import { useHalt } from "./useHalt";
+import { said } from "../i18n/sentences";
 
 /** Resets the station after a person has confirmed that it is safe. */
 export function ResetDialog() {
@@ -32,7 +33,7 @@ function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }
   const another = halt.halted && halt.since !== since;
   return (
     <Stack>
-      <Text size="sm">{halt.halted ? t("reset.why", { why: halt.why }) : t("reset.nothing")}</Text>
+      <Text size="sm">{halt.halted ? t("reset.why", { why: said(halt.why) }) : t("reset.nothing")}</Text>
       {another ? <Alert color="red">{t("reset.another")}</Alert> : <Text size="sm">{t("reset.text")}</Text>}
       {reset.error && (
         <Alert role="alert" color="red" title={problemTitle(reset.error, t("reset.refused"))}>

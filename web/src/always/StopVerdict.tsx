@@ -7,6 +7,7 @@ import { queryClient } from "../api/queries";
 import { onEvent } from "../live/events";
 import classes from "./always.module.css";
 import { stopAll, useStopping, type Verdict } from "./stopping";
+import { said } from "../i18n/sentences";
 
 const ICONS: Record<Verdict, TablerIcon> = {
   asking: IconHandStop,
@@ -47,7 +48,7 @@ function Words({ verdict }: { verdict: Verdict }) {
           {t(`verdict.${verdict}.title`)}
         </Text>
         <Text size="md">
-          {t(`verdict.${verdict}.text`)} {text}
+          {t(`verdict.${verdict}.text`)} {said(text)}
         </Text>
       </div>
       {unsent && (

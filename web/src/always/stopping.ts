@@ -3,6 +3,7 @@
 import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
 import { reconnect } from "../live/connection";
+import { learn } from "../i18n/sentences";
 
 /** The state of a stop requested here. */
 export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "signedOut" | "unsent" | "obeyed";
@@ -95,6 +96,7 @@ async function meaning(response: Response): Promise<Answer | null> {
   if (response.status === 401) return { verdict: "signedOut", text: "" };
   if (response.status >= 500) return null; // a proxy without a server, or a server that shuts down
   const problem = (await response.json().catch(() => ({}))) as Partial<Schema<"ProblemDetails">>;
+  learn(problem);
   return { verdict: "refused", text: problem.detail ?? `HTTP ${response.status}` };
 }
 

@@ -1,6 +1,7 @@
 /** The REST API, typed from its OpenAPI description; the only module that uses HTTP. */
 
 import createClient from "openapi-fetch";
+import { learn } from "../i18n/sentences";
 import type { components, paths } from "./schema";
 
 /** The schemas of the API by name: `Schema<"Job">`. */
@@ -51,6 +52,7 @@ export async function answerWithTag<Data>(
   call: Promise<Answered<Data>>,
 ): Promise<{ data: NonNullable<Data>; tag: string }> {
   const { data, error, response } = await call;
+  learn(data ?? error);
   if (!response.ok) throw new ApiProblem(response.status, isProblem(error) ? error : undefined);
   return { data: data as NonNullable<Data>, tag: response.headers.get("ETag") ?? "" };
 }

@@ -749,23 +749,7 @@ export interface paths {
         };
         get: operations["list_learned"];
         put?: never;
-        post: operations["teach_concept"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/learned/import": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["import_concepts"];
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -785,7 +769,7 @@ export interface paths {
         delete: operations["forget_learned"];
         options?: never;
         head?: never;
-        patch: operations["change_learned"];
+        patch?: never;
         trace?: never;
     };
     "/api/v1/learned.ttl": {
@@ -2020,38 +2004,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/data/findings": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get: operations["check_data"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/data/backups": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["back_up_data"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/healthz": {
         parameters: {
             query?: never;
@@ -2127,6 +2079,9 @@ export interface components {
             ended: string | null;
             /** @default 1 */
             return_status: number;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         AddOperation: {
             class?: string | null;
@@ -2176,6 +2131,9 @@ export interface components {
             /** @default  */
             job: string;
             question?: number | null;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         /** @enum {string} */
         AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "plug-in" | "stale" | "disk" | "webhook";
@@ -2195,6 +2153,9 @@ export interface components {
         AppliedRepair: {
             text: string;
             world: number;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         AskAnswer: {
             /**
@@ -2223,14 +2184,6 @@ export interface components {
             count: number;
             /** @default  */
             previous: string;
-        };
-        Backup: {
-            folder: string;
-            files: string[];
-            bytes: number;
-        };
-        BackupOrder: {
-            name: string;
         };
         Block: {
             /** @enum {string} */
@@ -2318,6 +2271,9 @@ export interface components {
             conditions: components["schemas"]["CheckedCondition"][];
             holds: boolean;
             world: number;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         ClassDetails: {
             name: string;
@@ -2400,11 +2356,6 @@ export interface components {
             learned: number;
             robots: components["schemas"]["SceneRobot"][];
             goals: string[];
-        };
-        DataFinding: {
-            file: string;
-            fault: string;
-            advice: string;
         };
         DecimalLiteral: {
             decimal: string;
@@ -2638,9 +2589,6 @@ export interface components {
             nodes: components["schemas"]["BodyNode"][];
             edges: components["schemas"]["BodyEdge"][];
         };
-        Items_DataFinding_: {
-            items: components["schemas"]["DataFinding"][];
-        };
         Items_Lock_: {
             items: components["schemas"]["Lock"][];
         };
@@ -2674,6 +2622,9 @@ export interface components {
             ordered: string | null;
             started: string | null;
             ended: string | null;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         JobAnswer: {
             answer: string;
@@ -2770,6 +2721,9 @@ export interface components {
             reasons: string[];
             lateness: number | null;
             transitions: components["schemas"]["JobTransition"][];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         JobState: {
             number: number;
@@ -2799,6 +2753,9 @@ export interface components {
         };
         JobTransitions: {
             transitions: components["schemas"]["JobTransition"][];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         JointDescription: {
             name: string;
@@ -2996,6 +2953,9 @@ export interface components {
             changes: {
                 [key: string]: unknown;
             }[];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         ModuleSummary: {
             name: string;
@@ -3145,6 +3105,9 @@ export interface components {
                 [key: string]: string;
             };
             conditions: components["schemas"]["PanelRow"][];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         PanelRequest: {
             arguments?: {
@@ -3264,6 +3227,9 @@ export interface components {
             }[];
             repairs: components["schemas"]["Repair"][];
             notes: string[];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         /** @enum {string} */
         PreviewState: "planning" | "planned" | "no plan" | "failed";
@@ -3469,6 +3435,9 @@ export interface components {
             goals: string[];
             /** @default  */
             fault: string;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         SceneRobot: {
             id: string;
@@ -3496,6 +3465,12 @@ export interface components {
             rows: {
                 [key: string]: unknown;
             }[];
+        };
+        SentenceParts: {
+            template: string;
+            values: {
+                [key: string]: unknown;
+            };
         };
         SetBreakpoints: {
             paths: string[];
@@ -3617,6 +3592,9 @@ export interface components {
             since?: string | null;
             standing: boolean | null;
             obeyed: boolean;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         TaskAtWork: {
             name: string;
@@ -3634,6 +3612,9 @@ export interface components {
             steps: components["schemas"]["TaskStep"][];
             question: components["schemas"]["TaskQuestion"] | null;
             report: components["schemas"]["TaskReport"] | null;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         TaskQuestion: {
             id: number;
@@ -3823,6 +3804,11 @@ export interface components {
             errors?: {
                 [key: string]: unknown;
             }[];
+            texts?: {
+                [key: string]: {
+                    [key: string]: unknown;
+                };
+            };
         } & {
             [key: string]: unknown;
         };
@@ -5669,75 +5655,6 @@ export interface operations {
             };
         };
     };
-    teach_concept: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["NewElement"];
-            };
-        };
-        responses: {
-            201: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Written"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    import_concepts: {
-        parameters: {
-            query?: {
-                replace?: boolean;
-                reason?: string;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "text/turtle": string;
-                "application/rdf+xml": string;
-                "application/owl+xml": string;
-                "application/n-triples": string;
-                "application/ld+json": string;
-            };
-        };
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Written"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
     forget_learned: {
         parameters: {
             query?: {
@@ -5752,41 +5669,6 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Written"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    change_learned: {
-        parameters: {
-            query?: never;
-            header?: {
-                "if-match"?: string | null;
-            };
-            path: {
-                element: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ElementPatch"];
-            };
-        };
         responses: {
             200: {
                 headers: {
@@ -6087,10 +5969,6 @@ export interface operations {
                     name: string;
                 };
                 "text/turtle": string;
-                "application/rdf+xml": string;
-                "application/owl+xml": string;
-                "application/n-triples": string;
-                "application/ld+json": string;
             };
         };
         responses: {
@@ -8665,64 +8543,6 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    check_data: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Items_DataFinding_"];
-                };
-            };
-            default: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    back_up_data: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["BackupOrder"];
-            };
-        };
-        responses: {
-            201: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Backup"];
-                };
             };
             default: {
                 headers: {

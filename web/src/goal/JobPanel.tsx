@@ -15,6 +15,7 @@ import { intoView } from "../widgets/intoView";
 import { GoalText } from "./GoalText";
 import { Progress } from "./Progress";
 import { ServerText } from "./ServerText";
+import { said } from "../i18n/sentences";
 
 type Job = Schema<"Job">;
 
@@ -75,7 +76,7 @@ function Course({ job }: { job: Job }) {
     <>
       <Group gap="xs">
         <Status mood={jobMood(job)} text={jobState(t, job)} />
-        {job.choices.length === 0 && !SAID.has(job.detail) && <Text size="sm">{job.detail}</Text>}
+        {job.choices.length === 0 && !SAID.has(job.detail) && <Text size="sm">{said(job.detail)}</Text>}
         <Box ml="auto">
           <JobCommands job={job} only="stop" />
         </Box>

@@ -5,6 +5,7 @@ import { type CheckedCondition, rowOfShort } from "./goals";
 import type { Preview } from "./preview";
 import { RowText } from "./RowText";
 import { ServerText } from "./ServerText";
+import { said } from "../i18n/sentences";
 
 interface Props {
   cause: Preview["causes"][number];
@@ -41,7 +42,7 @@ export function Reason({ cause: data, conditions }: Props) {
           <Text component="summary" size="xs">
             {t("cause.whole")}
           </Text>
-          <Text size="xs">{cause.text}</Text>
+          <Text size="xs">{said(cause.text)}</Text>
         </details>
       )}
     </div>

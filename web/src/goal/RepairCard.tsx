@@ -10,6 +10,7 @@ import { type CheckedCondition, type GoalOrder, goalOrder, keyed, repaired, rowO
 import type { Preview } from "./preview";
 import { RowText } from "./RowText";
 import { ServerText } from "./ServerText";
+import { said } from "../i18n/sentences";
 
 type Repair = Preview["repairs"][number];
 
@@ -25,7 +26,7 @@ interface Props {
 /** A repair, with a button that applies it. */
 export function RepairCard({ preview, repair, conditions, named, again }: Props) {
   return (
-    <Card withBorder padding="xs" role="group" aria-label={repair.text}>
+    <Card withBorder padding="xs" role="group" aria-label={said(repair.text)}>
       <Group justify="space-between" wrap="nowrap" align="start">
         <Changes repair={repair} conditions={conditions} named={named} />
         <Make preview={preview} repair={repair} conditions={conditions} again={again} />
@@ -85,14 +86,14 @@ function Make({ preview, repair, conditions, again }: Omit<Props, "named">) {
     onMutate: present,
     onSuccess: ({ world }, _, pressedAt) => {
       // A change of the goal shows no message: undo applies only to the world.
-      notifyChange(t("repair.done", { text: [...new Set(repair.edits)].join(", ") }), world);
+      notifyChange(t("repair.done", { text: [...new Set(repair.edits)].map(said).join(", ") }), world);
       if (isUntouched(pressedAt, present())) want(); // keeps later edits of the goal
     },
     onError: notifyProblem,
   });
   const onlyLess = repair.edits.length + repair.instead.length === 0;
   const label = t(onlyLess ? "repair.leaveOut" : "repair.do");
-  const look = { "aria-label": `${label}: ${repair.text}`, flex: "none" };
+  const look = { "aria-label": `${label}: ${said(repair.text)}`, flex: "none" };
   if (repair.applicable && rows !== null)
     return (
       <MayButton operation="apply_repair" loading={make.isPending} onClick={() => make.mutate()} {...look}>

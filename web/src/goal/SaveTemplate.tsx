@@ -1,5 +1,4 @@
 import { Alert, Button, Checkbox, Group, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
-import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { ApiProblem } from "../api/client";
@@ -8,13 +7,14 @@ import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
 import { type CheckedCondition, type GoalData, shortText } from "./goals";
 import {
+  changeTemplate,
   type Content,
   isTemplateName,
+  notifyTemplate,
   TEMPLATES,
   useTemplates,
   variablesOf,
   withPlaceholders,
-  writeTemplate,
 } from "./templates";
 import { useWords } from "./words";
 
@@ -45,9 +45,9 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
   const fits = isTemplateName(name);
   const there = known.find((template) => template.name === name.trim());
   const write = useSingleMutation({
-    mutationFn: (content: Content) => writeTemplate(name.trim(), content, there),
-    onSuccess: () => {
-      notifications.show({ message: t("template.saved", { name: name.trim() }) });
+    mutationFn: (content: Content) => changeTemplate(name.trim(), there ?? null, content),
+    onSuccess: (undo) => {
+      notifyTemplate(t("template.saved", { name: name.trim() }), undo);
       onDone();
     },
     onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),

@@ -12,6 +12,7 @@ import { notifyProblem } from "../widgets/problems";
 import { useDraft } from "./draft";
 import { type Goal, goalOf } from "./goals";
 import { understood } from "./TextEditor";
+import { said } from "../i18n/sentences";
 
 const KEY = keys.goals("scene");
 
@@ -71,7 +72,7 @@ export function SceneGoals() {
           {t("scene.save")}
         </MayButton>
       </Group>
-      {data?.data.fault && <Alert color="yellow">{t("scene.fault", { fault: data.data.fault })}</Alert>}
+      {data?.data.fault && <Alert color="yellow">{t("scene.fault", { fault: said(data.data.fault) })}</Alert>}
       <Modal opened={isStale(write.error)} onClose={write.reset} title={t("scene.changed")}>
         <Stack>
           <Text size="sm">{t("scene.changedHelp")}</Text>

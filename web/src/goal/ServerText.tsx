@@ -1,5 +1,6 @@
 import { Fragment } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../i18n/sentences";
 import { useLiveView } from "../scene3d/view";
 import { ElementName } from "../widgets/ElementName";
 import { useClassLabels } from "../widgets/names";
@@ -19,7 +20,7 @@ interface Props {
 const NONE: readonly string[] = [];
 const CAMEL = /\b[a-z]+(?:[A-Z][a-z]+|A)+\b/g; // names of relations and properties: heldBy, hasA
 
-/** A sentence by the server: elements and classes as clickable labels, conditions and relations in words. */
+/** A sentence by the server in the language of the pages: elements and classes as clickable labels, conditions and relations in words. */
 export function ServerText({ text, named = NONE, plain = false }: Props) {
   const { t } = useTranslation();
   const terms: Record<string, string> = t("terms", { returnObjects: true });
@@ -28,7 +29,7 @@ export function ServerText({ text, named = NONE, plain = false }: Props) {
   const elements = useLiveView(({ view }) => view?.elements);
   const isElement = (word: string) => elements?.has(word) ?? false;
   const isCondition = (word: string) => words.some(({ name }) => name === word);
-  return namedIn(text, named, isElement, isCondition).map((piece, index) => {
+  return namedIn(said(text), named, isElement, isCondition).map((piece, index) => {
     if ("text" in piece)
       return <Fragment key={index}>{piece.text.replaceAll(CAMEL, (term) => terms[term] ?? term)}</Fragment>;
     if ("condition" in piece) return <RowText key={index} row={readRow(piece.condition)} plain={plain} />;

@@ -15,7 +15,7 @@ import { type Filled, useDraft } from "./draft";
 import classes from "./goal.module.css";
 import { rowOf, whyAlone } from "./goals";
 import { Materials } from "./Materials";
-import { classOf, removeTemplate, type Template, TEMPLATES } from "./templates";
+import { changeTemplate, classOf, notifyTemplate, type Template, TEMPLATES } from "./templates";
 import { Verdict } from "./Verdict";
 import { useWords } from "./words";
 
@@ -122,8 +122,11 @@ function RemoveTemplate({ template }: { template: Template }) {
   const may = useMay("remove_document");
   const [asking, setAsking] = useState(false);
   const remove = useSingleMutation({
-    mutationFn: () => removeTemplate(template),
-    onSuccess: () => change({ template: null }),
+    mutationFn: () => changeTemplate(template.name, template, null),
+    onSuccess: (undo) => {
+      change({ template: null });
+      notifyTemplate(t("template.removed", { name: template.name }), undo);
+    },
     onError: notifyProblem,
     onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),
   });

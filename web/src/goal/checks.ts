@@ -3,6 +3,7 @@
 import { useQueries, useQuery } from "@tanstack/react-query";
 import { answer, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
+import { said } from "../i18n/sentences";
 import { problemText } from "../widgets/problems";
 import { type CheckedCondition, type GoalOrder, goalOf, type Row, whyAlone } from "./goals";
 
@@ -50,6 +51,8 @@ function verdict({ data, error }: Asked): Verdict {
   if (error && (data === undefined || error instanceof ApiProblem))
     return { state: "wrong", why: problemText(error), conditions: [] };
   if (data === undefined) return { state: "asking", why: "", conditions: [] };
-  const why = data.conditions.filter(({ holds }) => holds === data.holds).map(whyAlone);
+  const why = data.conditions
+    .filter(({ holds }) => holds === data.holds)
+    .map(({ text, why }) => whyAlone({ text, why: said(why) }));
   return { state: data.holds ? "holds" : "open", why: why.join("; "), conditions: data.conditions };
 }

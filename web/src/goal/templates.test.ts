@@ -1,4 +1,13 @@
-import { EMPTY, fieldsOf, isCounted, templateOrder, variablesOf, withPlaceholders, isTemplateName } from "./templates";
+import {
+  changeTemplate,
+  EMPTY,
+  fieldsOf,
+  isCounted,
+  templateOrder,
+  variablesOf,
+  withPlaceholders,
+  isTemplateName,
+} from "./templates";
 
 const WORDS = [
   {
@@ -65,4 +74,31 @@ test.each([
   ["..", false],
 ])("%j may be the name of a template: %s", (name, may) => {
   expect(isTemplateName(name)).toBe(may);
+});
+
+test("a template that was saved, replaced or removed is as before after undoing, and as after it once redone", async () => {
+  const there = new Map<string, { revision: number; data: unknown }>();
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const id = decodeURIComponent(request.url.split("/").at(-1) ?? "");
+    if (request.method === "DELETE") {
+      there.delete(id);
+      return new Response(null, { status: 204 });
+    }
+    const { data } = (await request.json()) as { data: unknown };
+    const seen = request.headers.get("if-match");
+    expect(seen).toBe(there.has(id) ? `"${there.get(id)?.revision}"` : null);
+    there.set(id, { revision: (there.get(id)?.revision ?? 0) + 1, data });
+    return Response.json({ kind: "template", id, revision: there.get(id)?.revision, module: "", data, problems: [] });
+  });
+  const undo = await changeTemplate("fill", null, CONTENT);
+  const redo = await undo();
+  expect(there.has("fill")).toBe(false);
+  await redo();
+  expect(there.get("fill")?.data).toEqual(CONTENT);
+  const seen = { name: "fill", version: there.get("fill")?.revision ?? 0, content: CONTENT };
+  const back = await changeTemplate("fill", seen, null);
+  expect(there.has("fill")).toBe(false);
+  await back();
+  expect(there.get("fill")?.data).toEqual(CONTENT);
+  vi.unstubAllGlobals();
 });

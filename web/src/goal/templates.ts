@@ -3,6 +3,10 @@
 import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { queryClient } from "../api/queries";
+import i18n from "../i18n";
+import { notifyProblem } from "../widgets/problems";
+import { notifyDone } from "../widgets/toasts";
 import type { Filled, Piece } from "./draft";
 import { type CheckedCondition, type GoalData, type GoalOrder, isWord } from "./goals";
 import type { ConditionWord } from "./sentence";
@@ -43,16 +47,30 @@ function templateOf({ id, revision, data }: Schema<"DocumentInfo">): Template {
   return { name: id, version: revision, content };
 }
 
-/** Creates a template, or replaces the version that was displayed. */
-export function writeTemplate(name: string, content: Content, seen?: Template): Promise<unknown> {
+/**
+ * Creates, replaces or removes a template.
+ *
+ * @param seen - The version that was displayed; null if there was none.
+ * @param content - The new content; null to remove it.
+ * @returns A function that undoes the change, and returns one that does it again.
+ */
+export async function changeTemplate(name: string, seen: Template | null, content: Content | null): Promise<Undo> {
   const header = seen ? { "if-match": `"${seen.version}"` } : {};
   const params = { path: { kind: KIND, id: name }, header };
-  return answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body: { data: { ...content } } }));
+  const now =
+    content === null
+      ? await answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params })).then(() => null)
+      : templateOf(await answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body: { data: { ...content } } })));
+  return () => changeTemplate(name, now, seen?.content ?? null);
 }
 
-export function removeTemplate({ name, version }: Template): Promise<unknown> {
-  const params = { path: { kind: KIND, id: name }, header: { "if-match": `"${version}"` } };
-  return answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params }));
+type Undo = () => Promise<Undo>;
+
+/** Reports a change of templates, with a button that undoes it; the same after undoing. */
+export function notifyTemplate(message: string, undo: Undo): void {
+  void queryClient.invalidateQueries({ queryKey: TEMPLATES });
+  const again = () => undo().then((redo) => notifyTemplate(i18n.t("goal:template.undone"), redo));
+  notifyDone(message, () => void again().catch(notifyProblem));
 }
 
 const NONE: readonly Template[] = [];

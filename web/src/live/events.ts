@@ -1,6 +1,7 @@
 /** The server's events, passed on to listeners. */
 
 import type { Schema } from "../api/client";
+import { learn } from "../i18n/sentences";
 
 export type EventInfo = Schema<"EventInfo">;
 
@@ -31,6 +32,7 @@ export function onReset(listener: () => void): () => void {
 }
 
 export function emitEvent(event: EventInfo): void {
+  learn(event.data);
   for (const listener of listeners) listener(event);
 }
 

@@ -12,6 +12,7 @@ import { MayButton } from "../widgets/MayButton";
 import { detailOf } from "./address";
 import { Problem } from "./Problem";
 import { type WantedStep, write } from "./sequences";
+import { said } from "../i18n/sentences";
 
 const LONGEST = 30; // s, for planning
 
@@ -118,5 +119,5 @@ async function planned(goal: string): Promise<readonly WantedStep[]> {
   const params = { path: { id: asked.id }, query: { wait: LONGEST } };
   const preview = await answer(api.GET("/api/v1/previews/{id}", { params }));
   if (preview.state === "planned") return preview.steps;
-  throw new Error(preview.reasons.join("; ") || preview.state);
+  throw new Error(preview.reasons.map(said).join("; ") || preview.state);
 }

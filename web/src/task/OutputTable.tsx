@@ -6,6 +6,7 @@ import { Status } from "../widgets/Status";
 import type { OutputRow } from "./output";
 import { moduleMood } from "./tree";
 import { moduleStatus } from "./moduleWords";
+import { said } from "../i18n/sentences";
 
 interface Props {
   rows: readonly OutputRow[];
@@ -85,8 +86,8 @@ function Row({ row, index }: { row: OutputRow; index: number }) {
         <Status mood={moduleMood(row.status)} text={moduleStatus(t, row.status)} />
       </Table.Td>
       <Table.Td style={CELL}>{row.code}</Table.Td>
-      <Table.Td style={CELL} title={row.text}>
-        {row.text}
+      <Table.Td style={CELL} title={said(row.text)}>
+        {said(row.text)}
       </Table.Td>
     </Table.Tr>
   );

@@ -15,6 +15,7 @@ import type { Run } from "./trace";
 import { useTask, useTaskRun } from "./useRun";
 import { useSkills } from "../api/cell";
 import { taskMood } from "./words";
+import { said } from "../i18n/sentences";
 
 /** A task without a job: a running sequence, or a goal started directly. */
 export function TaskView({ name }: { name: string }) {
@@ -47,12 +48,12 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
       {task.goal.length === 0 && <Rate run={run} steps={task.plan.length} />}
       {task.question !== null && (
         <Alert color="orange" p="xs">
-          {task.question.text} {t("task.above")}
+          {said(task.question.text)} {t("task.above")}
         </Alert>
       )}
       {task.report?.fault && (
         <Alert color="red" p="xs" title={t("job.reasons")}>
-          {task.report.fault}
+          {said(task.report.fault)}
         </Alert>
       )}
       <TaskCommands task={task} />
@@ -100,7 +101,7 @@ function TaskReport({ task: { report } }: { task: Schema<"TaskInfo"> }) {
               mood={condition.believed === true ? "good" : "bad"}
               text={t(condition.believed === true ? "report.reached" : "report.notReached")}
             />
-            <Text size="sm">{`${String(condition.condition)} ${String(condition.reason ?? "")}`}</Text>
+            <Text size="sm">{`${String(condition.condition)} ${said(String(condition.reason ?? ""))}`}</Text>
           </Group>
         ))}
       </Section>

@@ -4,6 +4,7 @@ import type { Schema } from "../api/client";
 import type { Skills } from "../api/cell";
 import type { Run } from "./trace";
 import { span, stepTitle } from "./words";
+import { said } from "../i18n/sentences";
 
 export interface ReportWords {
   title: string;
@@ -27,11 +28,11 @@ export function asMarkdown(job: Schema<"Job">, run: Run, skills: Skills, words: 
   );
   const conditions = job.conditions.map(
     ({ condition, reached, reason }) =>
-      `- [${reached ? "x" : " "}] ${text(condition)}: ${reached ? words.reached : words.notReached}${reason && ` – ${text(reason)}`}`,
+      `- [${reached ? "x" : " "}] ${text(condition)}: ${reached ? words.reached : words.notReached}${reason && ` – ${text(said(reason))}`}`,
   );
   const steps = run.steps.map((step, index) => {
     const took = step.end === null ? "" : ` (${span(step.end - step.start)})`;
-    return `${index + 1}. ${text(stepTitle(step, skills))}, ${text(step.agent)}: ${step.ended === "ended" ? words.done : text(step.text)}${took}`;
+    return `${index + 1}. ${text(stepTitle(step, skills))}, ${text(step.agent)}: ${step.ended === "ended" ? words.done : text(said(step.text))}${took}`;
   });
   return [
     `# ${words.title}`,
@@ -42,7 +43,7 @@ export function asMarkdown(job: Schema<"Job">, run: Run, skills: Skills, words: 
     ...section(words.steps, steps),
     ...section(
       words.reasons,
-      job.reasons.map((reason) => `- ${text(reason)}`),
+      job.reasons.map((reason) => `- ${text(said(reason))}`),
     ),
     "",
   ].join("\n\n");

@@ -1,5 +1,6 @@
 import { ApiProblem } from "../api/client";
 import "../i18n";
+import { learn } from "../i18n/sentences";
 import { isUnanswered, problemText, problemTitle } from "./problems";
 
 function problem(status: number, code: string, detail: string): ApiProblem {
@@ -14,10 +15,11 @@ test("a request without an answer is not reported as refused", () => {
 });
 
 test("an unknown name is reported without the list of known names", () => {
-  const detail = "unknown element 'starter_3' in InKit, argument 1 (object). Did you mean 'Starter'? Known: a, b.";
-  expect(problemText(problem(422, "UnknownName", detail))).toBe(
-    "unknown element 'starter_3' in InKit, argument 1 (object). Did you mean 'Starter'?",
-  );
+  const known = { template: "Known: {names}.", values: { names: "a, b" } };
+  const unknown = { template: "unknown {kind} '{name}'.", values: { kind: "element", name: "starter_3" } };
+  const detail = "unknown element 'starter_3'. Known: a, b.";
+  learn({ texts: { [detail]: { template: "{part0} {part1}", values: { part0: unknown, part1: known } } } });
+  expect(problemText(problem(422, "UnknownName", detail))).toBe("unknown element 'starter_3'.");
   expect(problemText(problem(409, "WrongState", "halted. Known: why"))).toBe("halted. Known: why");
 });
 

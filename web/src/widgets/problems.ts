@@ -1,19 +1,13 @@
 import { notifications } from "@mantine/notifications";
 import { ApiProblem } from "../api/client";
 import i18n from "../i18n";
+import { said } from "../i18n/sentences";
 
 /** Texts of failed requests for people. */
 export function problemText(error: unknown): string {
-  if (error instanceof ApiProblem) return error.status === 401 ? i18n.t("loginEnded") : withoutKnown(error);
+  if (error instanceof ApiProblem) return error.status === 401 ? i18n.t("loginEnded") : said(error.message);
   if (error instanceof TypeError) return i18n.t("unreachable"); // fetch could not reach the server
   return error instanceof Error ? error.message : String(error);
-}
-
-const UNKNOWN = new Set(["NotFound", "UnknownName"]);
-
-/** Lists of known names help programmers, but hide the problem from operators. */
-function withoutKnown({ message, code }: ApiProblem): string {
-  return UNKNOWN.has(code) ? message.replace(/ Known: [^\n]*$/m, "") : message;
 }
 
 const UNREACHED = new Set([502, 504]); // a proxy that cannot reach its server

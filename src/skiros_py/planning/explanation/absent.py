@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from skiros_py.messages import Message
 from skiros_py.planning.explanation.wording import Found
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.skills.conditions.effects import Relate, Unrelate, brought_about
@@ -45,9 +46,9 @@ def absence_causes(found: Iterable[Found], absent: Sequence[AbsentSkill], ontolo
         wanted = _changed(_TERM.findall(missing.predicate) if missing else (), ontology)
         for skill in absent:
             if skill.changes is None:
-                text = f"perhaps a skill that cannot be used would change it: {skill.fault}"
+                text = Message("perhaps a skill that cannot be used would change it: {fault}", fault=skill.fault)
             elif _changed(skill.changes, ontology) & wanted:
-                text = f"a skill would change it, but cannot be used: {skill.fault}"
+                text = Message("a skill would change it, but cannot be used: {fault}", fault=skill.fault)
             else:
                 continue
             yield Cause(CauseKind.NO_SKILL, text, one.cause.conditions, why=skill.fault)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from skiros_py.messages import Message
 from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
@@ -79,9 +80,11 @@ def _covers(rivalry: Cause, one: Found) -> bool:
 
 def _unreachable(condition: Condition, reason: Reason, view: WorldView) -> Found:
     full = _full(condition, reason, view)
-    said = "".join(f"{whole} is full: " for whole in full)
-    parts = reason.skill, reason.precondition, (*full, *reason.elements), said + (reason.core or reason.text)
-    text = f"{condition} cannot be reached: {said}{reason.text}"
+    why, core = reason.text, reason.core or reason.text
+    for whole in reversed(full):
+        why, core = (Message("{whole} is full: {why}", whole=whole, why=one) for one in (why, core))
+    parts = reason.skill, reason.precondition, (*full, *reason.elements), core
+    text = Message("{conditions} cannot be reached: {why}", conditions=condition, why=why)
     return Found(Cause(reason.kind, text, (condition,), *parts), reason)
 
 

@@ -8,11 +8,12 @@ from functools import cache, reduce
 from itertools import combinations, islice
 from typing import NamedTuple
 
+from skiros_py.messages import Message, listed
 from skiros_py.planning.domain.actions import is_placement
 from skiros_py.planning.domain.literals import NOTHING, allows_value, common_class, property_of
 from skiros_py.planning.domain.matching import Binding, unified
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.explanation.wording import Found, Shortage, listed, some
+from skiros_py.planning.explanation.wording import Found, Shortage, some
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.skills.conditions import Compare, Condition, Not
@@ -188,7 +189,7 @@ class Contradictions:
     def _negations(self) -> Iterator[Cause]:
         for one, other in combinations(self._relaxed.task.conditions, 2):
             if one == ~other:
-                yield _contradiction((one, other), "the one says that the other is not so", one.arguments)
+                yield _contradiction((one, other), Message("the one says that the other is not so"), one.arguments)
 
     def _emptiness(self) -> Iterator[Cause]:
         for condition, atom in self._atoms():
@@ -197,7 +198,7 @@ class Contradictions:
             relation, place = atom.predicate.removeprefix(NOTHING), atom.arguments[0]
             for demand in self._demands:
                 if demand.relation == relation and demand.places == {place}:
-                    why = f"{place} cannot be empty and taken at once"
+                    why = Message("{place} cannot be empty and taken at once", place=place)
                     yield _contradiction((condition, demand.condition), why, (place, *_only(demand.things)))
 
     def _values(self) -> Iterator[Cause]:
@@ -207,7 +208,11 @@ class Contradictions:
             if same and not self._agree(first, second):
                 name = self._ontology.properties[str(self._property(first))].label
                 thing = first.arguments[0]
-                yield _contradiction((one, other), f"the {name} of {thing} has one value only", (thing,))
+                yield _contradiction(
+                    (one, other),
+                    Message("the {property} of {thing} has one value only", property=name, thing=thing),
+                    (thing,),
+                )
 
     def _property(self, atom: Atom) -> str | None:
         literal = self._relaxed.task.asked.get(atom.predicate)
@@ -234,19 +239,25 @@ class Contradictions:
             for one, other in combinations(demands, 2):
                 if one.places.isdisjoint(other.places):
                     thing = self._thing(one)
-                    why = f"{thing} has one place only, it cannot be {self._place(one)} and {self._place(other)}"
+                    why = Message(
+                        "{thing} has one place only, it cannot be {one} and {other}",
+                        thing=thing,
+                        one=self._place(one),
+                        other=self._place(other),
+                    )
                     named = *_only(one.things), *_only(one.places | other.places)
                     yield _contradiction((one.condition, other.condition), why, named)
 
     def _place(self, demand: Demand) -> str:
-        return f"{self._ontology.relations[demand.relation].label} {listed(sorted(demand.places), 'or')}"
+        places = listed(sorted(demand.places), either=True)
+        return Message("{relation} {places}", relation=self._ontology.relations[demand.relation].label, places=places)
 
     def _thing(self, demand: Demand) -> str:
         """Returns the name of the thing that a demand is about, or a name for any."""
         classes = self._classes(demand)
         if len(demand.things) == 1 and not classes:
             return min(demand.things)
-        return some(local_name(classes[0])) if classes else "a thing"
+        return some(local_name(classes[0])) if classes else Message("a thing")
 
     def _too_few_things(self) -> Iterator[Found]:
         def are_apart(one: Demand, other: Demand) -> bool:
@@ -257,8 +268,11 @@ class Contradictions:
         things = sorted(frozenset[str]().union(*(demand.things for demand in lacking)))
         if things and any(self._classes(demand) for demand in lacking):
             classes = tuple(dict.fromkeys(c for demand in lacking for c in self._classes(demand)))
-            what = listed((local_name(c) for c in classes), "or") or "such thing"
-            text = f"{len(lacking)} of {what} are wanted, but there {_is(len(things))} only {listed(by_stock(things))}"
+            what = listed(map(local_name, classes), either=True) or Message("such thing")
+            there = {"count": len(lacking), "kind": what, "things": listed(by_stock(things))}
+            text = Message("{count} of {kind} are wanted, but there are only {things}", **there)
+            if len(things) == 1:
+                text = Message("{count} of {kind} are wanted, but there is only {things}", **there)
             cause = _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
             yield Found(cause, shortage=Shortage(len(lacking), tuple(things)))
 
@@ -277,13 +291,18 @@ class Contradictions:
         """Returns the cause that there are fewer single-thing places than required."""
         conditions = {str(demand.condition) for demand in lacking}
         if len(places) == 1 and len(conditions) > 1 and all(places[0] in d.condition.arguments for d in lacking):
-            why = f"{places[0]} takes one {self._kind(lacking)} only"
+            why = Message("{place} takes one {kind} only", place=places[0], kind=self._kind(lacking))
             return _contradiction([d.condition for d in lacking], why, (*places, *_things(lacking)))
         wholes = self._wholes(lacking)
-        where = f"{listed(wholes)} has" if wholes else "there is"
-        text = f"{where} room for {len(places)} only ({listed(places)}), and {len(lacking)} are wanted there"
+        room = {"count": len(places), "places": listed(places), "wanted": len(lacking)}
+        text = Message("there is room for {count} only ({places}), and {wanted} are wanted there", **room)
+        if wholes:
+            where = listed(wholes)
+            text = Message(
+                "{where} has room for {count} only ({places}), and {wanted} are wanted there", where=where, **room
+            )
         if all(len(demand.things) == 1 for demand in lacking):
-            text += f" ({listed(min(demand.things) for demand in lacking)})"
+            text = Message("{text} ({things})", text=text, things=listed(min(demand.things) for demand in lacking))
         return _together(CauseKind.FULL, lacking, text, (*wholes, *places))
 
     def _kind(self, demands: Sequence[Demand]) -> str:
@@ -345,15 +364,19 @@ def _narrowest(demand: Demand) -> tuple[int, str, str]:
 
 def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable[str]) -> Cause:
     said = list(dict.fromkeys(map(str, conditions)))
-    text = f"{listed(said)} {'exclude each other' if len(said) > 1 else 'cannot be reached'}: {why}"
+    text = Message("{conditions} cannot be reached: {why}", conditions=listed(said), why=why)
+    if len(said) > 1:
+        text = Message("{conditions} exclude each other: {why}", conditions=listed(said), why=why)
     named = tuple(dict.fromkeys(elements))
     return Cause(CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=named, why=why)
 
 
 def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: Iterable[str]) -> Cause:
     conditions = tuple(dict.fromkeys(demand.condition for demand in demands))
-    together = " together" if len(conditions) > 1 else ""
-    text = f"{listed(map(str, conditions))} cannot be reached{together}: {why}"
+    said = listed(map(str, conditions))
+    text = Message("{conditions} cannot be reached: {why}", conditions=said, why=why)
+    if len(conditions) > 1:
+        text = Message("{conditions} cannot be reached together: {why}", conditions=said, why=why)
     return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)), why=why)
 
 
@@ -378,10 +401,6 @@ def _only(names: frozenset[str]) -> tuple[str, ...]:
 
 def _things(demands: Sequence[Demand]) -> tuple[str, ...]:
     return tuple(thing for demand in demands for thing in _only(demand.things))
-
-
-def _is(count: int) -> str:
-    return "is" if count == 1 else "are"
 
 
 def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:

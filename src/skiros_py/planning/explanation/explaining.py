@@ -9,12 +9,13 @@ from itertools import count
 from math import inf
 
 from skiros_py.errors import SkirosError
+from skiros_py.messages import Message, listed
 from skiros_py.planning.edits import HypotheticalView
 from skiros_py.planning.explanation.absent import AbsentSkill, absence_causes
 from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.exclusions import exclusive_conditions
 from skiros_py.planning.explanation.remedies import Change, Room, advice, remedies
-from skiros_py.planning.explanation.wording import Found, listed
+from skiros_py.planning.explanation.wording import Found
 from skiros_py.planning.plan import Cause, CauseKind, NoPlan, Repair
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import Condition
@@ -209,9 +210,15 @@ def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tupl
 def conflict_of(conditions: Sequence[Condition]) -> Cause:
     """Returns the cause that conditions are unreachable together although each is reachable alone."""
     if len(conditions) > 1:
-        why, text = "", f"{listed(map(str, conditions))} could each be reached, but not all of them together"
+        why, text = (
+            "",
+            Message(
+                "{conditions} could each be reached, but not all of them together",
+                conditions=listed(map(str, conditions)),
+            ),
+        )
     else:
-        why = "whatever is done for it undoes something else that it needs"
-        text = f"{conditions[0]} cannot be reached: {why}"
+        why = Message("whatever is done for it undoes something else that it needs")
+        text = Message("{conditions} cannot be reached: {why}", conditions=conditions[0], why=why)
     arguments = dict.fromkeys(argument for condition in conditions for argument in condition.arguments)
     return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments), why=why)

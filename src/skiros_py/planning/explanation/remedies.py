@@ -6,12 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, islice, product
 
+from skiros_py.messages import Message, all_of, listed
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.goals import asked_emptiness
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.edits import Add, Assign, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation.wording import Found, Reason, Shortage, listed, some
+from skiros_py.planning.explanation.wording import Found, Reason, Shortage, some
 from skiros_py.planning.plan import Cause, CauseKind, Exchange, Repair
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
@@ -193,8 +194,8 @@ class Change:
 
     def repair(self) -> Repair:
         """Returns it as a repair to be offered."""
-        given_up = [f"give up {listed(map(str, self.without))}"] if self.without else []
-        text = " and ".join([*map(str, self.instead), *map(str, dict.fromkeys(self.edits)), *given_up])
+        given_up = [Message("give up {conditions}", conditions=listed(map(str, self.without)))] if self.without else []
+        text = all_of([*map(str, self.instead), *map(str, dict.fromkeys(self.edits)), *given_up])
         return Repair(text, self.edits, self.without, self.instead)
 
 
@@ -221,11 +222,15 @@ def _given_up(found: Found) -> Iterator[Change]:
 def advice(cause: Cause) -> str:
     """Returns what the user has to arrange outside the scene; empty if unknown."""
     if cause.kind is CauseKind.NO_SKILL and cause.skill is not None and not cause.precondition:
-        return f"give {listed(cause.elements, 'or')} the skill '{cause.skill}', or start a robot that has it"
+        return Message(
+            "give {agents} the skill '{skill}', or start a robot that has it",
+            agents=listed(cause.elements, either=True),
+            skill=cause.skill,
+        )
     if cause.kind is CauseKind.MISSING_ELEMENT:
-        return f"see to it that there is {some(local_name(cause.elements[0]))}"
+        return Message("see to it that there is {kind}", kind=some(local_name(cause.elements[0])))
     if cause.kind is CauseKind.MISSING_FACT and cause.precondition:
-        return f"see to it that {cause.precondition}"
+        return Message("see to it that {precondition}", precondition=cause.precondition)
     return ""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import inf, isfinite
 
+from skiros_py.messages import Message
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.numbers import change_of, farthest, number_compared, numbers_in, numbers_of
 from skiros_py.planning.edits import Assign
@@ -59,13 +60,21 @@ def shortfall(task: PlanningTask, steps: Sequence[Step]) -> tuple[str, tuple[Ass
         flaw = replay(supposed, steps, task.conditions, task.skills)
         if _reached(flaw, steps) > _reached(best, steps):
             best, given = flaw, edits
-    start = "".join(
-        f"with a {task.view.ontology.properties[e.property].label} of {e.value:g} at the start" for e in given[:1]
+    start = (
+        {"property": task.view.ontology.properties[given[0].property].label, "value": given[0].value} if given else {}
     )
     if best is None:
-        return f"{start} it could be reached, but the skills that change it do not get there", given
-    where = "at the end" if best.step is None else f"at step {best.step + 1}, {steps[best.step]}"
-    return f"{f'even {start}: ' if start else ''}{best.verdict.why} {where}", ()
+        text = Message("it could be reached, but the skills that change it do not get there")
+        return Message(
+            "with a {property} of {value:g} at the start {text}", text=text, **start
+        ) if start else text, given
+    text = Message("{why} at the end", why=best.verdict.why)
+    if best.step is not None:
+        at = {"number": best.step + 1, "step": steps[best.step]}
+        text = Message("{why} at step {number}, {step}", why=best.verdict.why, **at)
+    if start:
+        text = Message("even with a {property} of {value:g} at the start: {why}", why=text, **start)
+    return text, ()
 
 
 def _reached(flaw: Flaw | None, steps: Sequence[Step]) -> float:

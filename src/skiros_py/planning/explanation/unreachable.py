@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from skiros_py.messages import Message, listed
 from skiros_py.planning.domain.actions import is_placement, moved_and_place
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.domain.numbers import number_compared, numbers_of
-from skiros_py.planning.explanation.wording import Reason, Wording, listed, some
+from skiros_py.planning.explanation.wording import Reason, Wording, some
 from skiros_py.planning.plan import CauseKind
 from skiros_py.planning.problem.reachability import Relaxation
 from skiros_py.planning.problem.task import PlanningTask
@@ -49,13 +50,16 @@ class Leaves:
 
     def none_of(self, class_: str) -> Reason:
         """Returns the reason that a class has no elements."""
-        return Reason(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
+        return Reason(
+            CauseKind.MISSING_ELEMENT, Message("there is no {kind}", kind=local_name(class_)), elements=(class_,)
+        )
 
     def _no_skill(self, atom: Atom, types: Types) -> Reason:
         agents = self._things(atom.arguments[0], types)
-        verb = "does" if len(agents) == 1 else "do"
         skill = atom.predicate.removeprefix(CAN)
-        text = f"{listed(agents)} {verb} not have it"
+        text = Message("{agent} does not have it", agent=agents[0])
+        if len(agents) != 1:
+            text = Message("{agents} do not have it", agents=listed(agents))
         return Reason(CauseKind.NO_SKILL, text, skill, "", agents, atom, types)
 
     def _full(self, atom: Atom, types: Types) -> Reason:
@@ -64,11 +68,15 @@ class Leaves:
         places = self._things(atom.arguments[0], types)
         there = {place: self._view.subjects(relation, place) for place in places}
         if len(places) == 1:
-            text = f"{listed(there[places[0]])} {verb} {places[0]}, and no skill takes it away"
-        else:
-            text = (
-                f"every {local_name(types.get(atom.arguments[0], 'place'))} is taken, and no skill takes anything away"
+            text = Message(
+                "{things} {relation} {place}, and no skill takes it away",
+                things=listed(there[places[0]]),
+                relation=verb,
+                place=places[0],
             )
+        else:
+            kind = local_name(types.get(atom.arguments[0], "place"))
+            text = Message("every {kind} is taken, and no skill takes anything away", kind=kind)
         elements = (*places, *dict.fromkeys(thing for things in there.values() for thing in things))
         return Reason(CauseKind.FULL, text, elements=elements, missing=atom, types=types)
 
@@ -83,9 +91,9 @@ class Leaves:
         placed = {thing: p for thing in things[:_SHOWN] if (p := self._view.placement(thing)) is not None}
         if not placed:
             return self._plainly(atom, types)
-        said = listed(f"{thing} {self._wording.term(p.relation)} {p.place}" for thing, p in placed.items())
+        said = listed(self._wording.stated(thing, p.relation, p.place) for thing, p in placed.items())
         elements = tuple(dict.fromkeys((*placed, *(p.place for p in placed.values()))))
-        text = f"{said}, and no skill takes it from there"
+        text = Message("{said}, and no skill takes it from there", said=said)
         return Reason(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
     def _still_there(self, atom: Atom, types: Types) -> Reason:
@@ -95,9 +103,11 @@ class Leaves:
         there = [(s, o) for s in subjects for o in objects if self._view.related(s, relation, o)][:_SHOWN]
         if not there:
             return self._plainly(atom, types)
-        said = listed(f"{subject} {self._wording.term(relation)} {object_}" for subject, object_ in there)
+        said = listed(self._wording.stated(subject, relation, object_) for subject, object_ in there)
         elements = tuple(dict.fromkeys(name for pair in there for name in pair))
-        text = f"{said}, and no skill takes {'it' if len(there) == 1 else 'them'} from there"
+        text = Message("{said}, and no skill takes it from there", said=said)
+        if len(there) > 1:
+            text = Message("{said}, and no skill takes them from there", said=said)
         return Reason(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
     def _plainly(self, atom: Atom, types: Types) -> Reason:
@@ -111,15 +121,18 @@ class Leaves:
         only = {a: things[0] for a in atom.arguments if len(things := self._things(a, types)) == 1}
         number = number_compared(atom.predicate)
         counts = number is not None and number[0] in numbers_of(self._task.domain.actions)
-        verb = "gets it there" if counts else "changes it"
-        text = f"{self._instead(atom.bind(only), types)}, and no skill {verb}"
+        said = self._instead(atom.bind(only), types)
+        text = Message("{said}, and no skill changes it", said=said)
+        if counts:
+            text = Message("{said}, and no skill gets it there", said=said)
         return Reason(kind, text, elements=named, missing=atom, types=types)
 
     def _instead(self, atom: Atom, types: Types) -> str:
         if atom.predicate.startswith(HAS):
             thing, property_ = atom.arguments[0], self._wording.term(atom.predicate.removeprefix(HAS))
-            who = f"no {local_name(types[thing])} has a" if is_variable(thing) else f"{thing} has no"
-            return f"{who} {property_}"
+            if is_variable(thing):
+                return Message("no {kind} has a {property}", kind=local_name(types[thing]), property=property_)
+            return Message("{thing} has no {property}", thing=thing, property=property_)
         asked = self._task.asked.get(atom.predicate)
         if asked is not None and not any(is_variable(a) for a in atom.arguments):
             verdict = asked.evaluate(self._view, dict(zip(("1", "2"), atom.arguments, strict=False)))
@@ -128,7 +141,7 @@ class Leaves:
             return self._wording.none(atom, types)
         if asked is None and atom.predicate.startswith(NOT):
             return self._wording.atom(Atom(atom.predicate.removeprefix(NOT), atom.arguments), types)
-        return f"it is not true that {self._wording.atom(atom, types)}"
+        return Message("it is not true that {said}", said=self._wording.atom(atom, types))
 
     def _things(self, argument: str, types: Types) -> tuple[str, ...]:
         """Returns the elements an argument could be; a bounded number of them."""
@@ -228,7 +241,9 @@ class UnreachableFacts:
         leaf = self._leaves.of(atom, types)
         if chain or leaf.kind is not CauseKind.MISSING_FACT:
             return leaf
-        text = f"{leaf.text}, and no skill brings it about" if ", and" not in leaf.text else leaf.text
+        text = (
+            Message("{said}, and no skill brings it about", said=leaf.text) if ", and" not in leaf.text else leaf.text
+        )
         return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
@@ -264,8 +279,18 @@ class UnreachableFacts:
         for variable, value in start.items():
             if not self._relaxed.fits(value, types[variable]):
                 class_ = types[variable]
-                text = f"{value} is not a {local_name(class_)}, which skill '{action.skill}' needs"
-                core = f"{value} is not {some(self._label(class_))}: skill '{action.skill}' can do it with those only"
+                text = Message(
+                    "{thing} is not a {kind}, which skill '{skill}' needs",
+                    thing=value,
+                    kind=local_name(class_),
+                    skill=action.skill,
+                )
+                core = Message(
+                    "{thing} is not {kind}: skill '{skill}' can do it with those only",
+                    thing=value,
+                    kind=some(self._label(class_)),
+                    skill=action.skill,
+                )
                 return Reason(CauseKind.NO_SKILL, text, action.skill, text, (value, class_), core=core)
         missing = (types[v.name] for v in action.parameters if v.name not in start)
         lacking = [class_ for class_ in missing if not self._relaxed.is_some(class_)]
@@ -273,11 +298,15 @@ class UnreachableFacts:
             return None
         nowhere = [class_ for class_ in lacking if not self._view.instances(class_)]
         if not nowhere and self._view.instances(ROBOT):  # the task mentions only elements that some skill involves
-            text = f"no skill of the robots that are there has to do with {some(self._label(lacking[0]))}"
+            text = Message(
+                "no skill of the robots that are there has to do with {kind}", kind=some(self._label(lacking[0]))
+            )
             return Reason(CauseKind.NO_SKILL, text, action.skill, elements=(lacking[0],))
         class_ = nowhere[0] if nowhere and ROBOT not in nowhere else ROBOT
         return replace(
-            self._leaves.none_of(class_), skill=action.skill, precondition=f"there is {some(local_name(class_))}"
+            self._leaves.none_of(class_),
+            skill=action.skill,
+            precondition=Message("there is {kind}", kind=some(local_name(class_))),
         )
 
     def _label(self, class_: str) -> str:
@@ -316,17 +345,23 @@ class UnreachableFacts:
 
     def _described(self, one: _Try, chain: Chain) -> Reason:
         if one.stuck is None:
-            text = f"skill '{one.action.skill}' could do it for other elements only"
+            text = Message("skill '{skill}' could do it for other elements only", skill=one.action.skill)
             return Reason(CauseKind.MISSING_FACT, text, one.action.skill)
         need, found = self._below(one, one.stuck, chain)
         if one.action.skill is None:
             return found
         if need.predicate.startswith(CAN):
-            core = found.text.replace("have it", f"have the skill '{one.action.skill}'")
-            return replace(found, text=f"skill '{one.action.skill}' would do it, but {found.text}", core=core)
+            said = {"skill": one.action.skill, "agents": listed(found.elements)}
+            core = Message("{agents} do not have the skill '{skill}'", **said)
+            if len(found.elements) == 1:
+                core = Message("{agents} does not have the skill '{skill}'", **said)
+            text = Message("skill '{skill}' would do it, but {reason}", skill=one.action.skill, reason=found.text)
+            return replace(found, text=text, core=core)
         words = self._wording.atom(need, one.types)
-        joint = "; " if need.predicate in self._given and found.skill is not None else ", and "
-        text = f"skill '{one.action.skill}' would do it, but needs that {words}{joint}{found.text}"
+        said = {"skill": one.action.skill, "need": words, "reason": found.text}
+        text = Message("skill '{skill}' would do it, but needs that {need}, and {reason}", **said)
+        if need.predicate in self._given and found.skill is not None:
+            text = Message("skill '{skill}' would do it, but needs that {need}; {reason}", **said)
         found = replace(found, text=text, core=found.core or found.text)
         return found if found.skill is not None else replace(found, skill=one.action.skill, precondition=words)
 
@@ -359,6 +394,7 @@ def _merged(each: Sequence[Reason]) -> Reason:
     if kind is not CauseKind.FULL:
         return replace(own[0], elements=elements)
     taken = list(dict.fromkeys(one.elements[0] for one in own))
-    verb = "is" if len(taken) == 1 else "are"
-    text = f"{listed(taken)} {verb} taken, and no skill takes anything away"
+    text = Message("{places} are taken, and no skill takes anything away", places=listed(taken))
+    if len(taken) == 1:
+        text = Message("{place} is taken, and no skill takes anything away", place=taken[0])
     return replace(own[0], text=text, core=own[0].core if len(taken) == 1 else text, elements=elements)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from skiros_py.messages import Message, joined
 from skiros_py.planning.domain.literals import BY_CLASS, CAN, HAS, IS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.domain.matching import is_variable
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import Cause, CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
-
-_SHOWN = 4
-"""How many things of one kind are named at most."""
 
 
 class Wording:
@@ -32,51 +30,60 @@ class Wording:
         predicate = atom.predicate
         names = [some(local_name(types.get(a, "")) or "thing") if is_variable(a) else a for a in atom.arguments]
         if predicate.startswith(CAN):
-            return f"{names[0]} has the skill '{predicate.removeprefix(CAN)}'"
+            skill = predicate.removeprefix(CAN)
+            return Message("{agent} has the skill '{skill}'", agent=names[0], skill=skill)
         if predicate.startswith(HAS):
-            return f"{names[0]} has a {self.term(predicate.removeprefix(HAS))}"
+            return Message("{thing} has a {property}", thing=names[0], property=self.term(predicate.removeprefix(HAS)))
         if predicate.startswith(NOTHING):
-            return f"nothing {self.term(predicate.removeprefix(NOTHING))} {names[0]}"
+            return self.stated(Message("nothing"), predicate.removeprefix(NOTHING), names[0])
         if predicate.startswith(NOT):
-            return f"it is not true that {self.atom(Atom(predicate.removeprefix(NOT), atom.arguments), types)}"
+            said = self.atom(Atom(predicate.removeprefix(NOT), atom.arguments), types)
+            return Message("it is not true that {said}", said=said)
         if predicate.startswith(IS):
-            return f"{names[0]} is {some(local_name(predicate.removeprefix(IS)))}"
+            kind = some(local_name(predicate.removeprefix(IS)))
+            return Message("{thing} is {kind}", thing=names[0], kind=kind)
         if predicate.startswith(BY_CLASS):
             relation = self.term(predicate.removeprefix(BY_CLASS))
-            return f"what is like {names[0]} {relation} what is like {names[1]}"
+            like = {"thing": names[0], "relation": relation, "other": names[1]}
+            return Message("what is like {thing} {relation} what is like {other}", **like)
         if predicate.startswith(VALUE):
             property_, comparison = compared(predicate)
-            return f"the {self.term(property_)} of {names[0]} is {comparison}"
-        term = self.term(predicate)
-        verb = term.removesuffix(" a") if len(names) > 1 else term  # "has a": the name has its article
-        return f"{names[0]} {verb} {' '.join(names[1:])}".strip()
+            of = {"property": self.term(property_), "thing": names[0], "comparison": str(comparison)}
+            return Message("the {property} of {thing} is {comparison}", **of)
+        return self.stated(names[0], predicate, *names[1:])
+
+    def stated(self, subject: str, relation: str, *objects: str) -> str:
+        """Words a relation between two things, or what is said of one."""
+        term = self.term(relation)
+        if not objects:
+            return Message("{subject} {relation}", subject=subject, relation=term)
+        verb = term.removesuffix(" a")  # "has a": the name has its article
+        return Message("{subject} {relation} {object}", subject=subject, relation=verb, object=joined(" ", objects))
 
     def none(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Words that a relation with variables holds for none: "compressor_1 fits in no Compartment"."""
         names: list[str] = []
+        first = True
         for argument in atom.arguments:
-            word = "any" if any(name.startswith("no ") for name in names) else "no"
-            names.append(f"{word} {local_name(types.get(argument, 'thing'))}" if is_variable(argument) else argument)
-        return f"{names[0]} {self.term(atom.predicate)} {' '.join(names[1:])}"
+            kind = local_name(types.get(argument, "thing"))
+            if is_variable(argument):
+                names.append(Message("no {kind}", kind=kind) if first else Message("any {kind}", kind=kind))
+                first = False
+            else:
+                names.append(argument)
+        return self.stated(names[0], atom.predicate, *names[1:])
 
     def term(self, term: str) -> str:
         """Returns the display name of a relation or property."""
         if term in self._ontology.relations:
             label = self._ontology.relations[term].label
-            return f"is {label}" if self._ontology.is_placement(term) else label
+            return Message("is {relation}", relation=label) if self._ontology.is_placement(term) else label
         return self._ontology.properties[term].label if term in self._ontology.properties else local_name(term)
 
 
 def some(noun: str) -> str:
     """Returns a noun with its article."""
-    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"
-
-
-def listed(names: Iterable[str], word: str = "and") -> str:
-    """Returns names as a readable list; if there are very many, only the first."""
-    all_ = list(names)
-    shown = all_ if len(all_) <= _SHOWN else [*all_[:_SHOWN], f"{len(all_) - _SHOWN} more"]
-    return " ".join(filter(None, [", ".join(shown[:-1]), word if len(shown) > 1 else "", *shown[-1:]]))
+    return Message("an {kind}", kind=noun) if noun[:1].lower() in "aeiou" else Message("a {kind}", kind=noun)
 
 
 @dataclass(frozen=True, slots=True)

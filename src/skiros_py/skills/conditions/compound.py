@@ -9,8 +9,19 @@ from itertools import chain
 from typing import Literal
 
 from skiros_py.errors import DescriptionError
+from skiros_py.messages import Message
 from skiros_py.skills.conditions.condition import Condition, ConditionType, Role
-from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern, Verdict
+from skiros_py.skills.conditions.pattern import (
+    ALL_OF_THESE,
+    ANY_OF_THESE,
+    AllOf,
+    AnyOf,
+    Binding,
+    Exists,
+    Not,
+    Pattern,
+    Verdict,
+)
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -59,8 +70,9 @@ class Junction(Condition):
     def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
         """Tells whether it holds; the verdict has that of each part."""
         parts = tuple(part.evaluate(view, binding) for part in self.parts)
-        holds, which = (all(parts), "all") if self.word == "and" else (any(parts), "any")
-        together = Verdict(holds, f"{which} of these", parts)
+        is_and = self.word == "and"
+        holds, text = (all(parts), ALL_OF_THESE) if is_and else (any(parts), ANY_OF_THESE)
+        together = Verdict(holds, text, parts)
         return Verdict(together.holds is not self.negated, self.written(_naming(binding or {})), (together,))
 
 
@@ -119,16 +131,20 @@ class Quantified(Condition):
         for candidate in candidates:
             verdict = self.part.evaluate(view, {**(binding or {}), self.variable: candidate})
             if verdict.holds is exists:
-                text = f"{candidate} is the {class_}" if exists else f"it does not hold for the {class_} {candidate}"
+                text = Message("{thing} is the {kind}", thing=candidate, kind=class_)
+                if not exists:
+                    text = Message("it does not hold for the {kind} {thing}", kind=class_, thing=candidate)
                 inner = Verdict(exists, text, (verdict,))
                 break
             tried = [*tried, verdict][:_TRIED_SHOWN]
         else:
-            text = f"no {class_} makes it true ({len(candidates)} tried)"
-            if not candidates:
-                text = f"there is no {class_}" + ("" if exists else ", so it holds for all")
+            text = Message("no {kind} makes it true ({count} tried)", kind=class_, count=len(candidates))
+            if not candidates and exists:
+                text = Message("there is no {kind}", kind=class_)
+            elif not candidates:
+                text = Message("there is no {kind}, so it holds for all", kind=class_)
             elif not exists:
-                text = f"it holds for each {class_} ({len(candidates)})"
+                text = Message("it holds for each {kind} ({count})", kind=class_, count=len(candidates))
             inner = Verdict(not exists, text, tuple(tried))
         return Verdict(inner.holds is not self.negated, self.written(_naming(binding or {})), (inner,))
 

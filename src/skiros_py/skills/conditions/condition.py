@@ -6,12 +6,14 @@ import logging
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from operator import eq, ge, gt, le, lt, ne
 from types import MappingProxyType
 from typing import Literal
 
 from skiros_py.errors import DescriptionError
 from skiros_py.interruptions import not_the_authors
+from skiros_py.messages import Message, all_of
 from skiros_py.skills.conditions.pattern import AllOf, Atom, Binding, Exists, Not, Pattern, Verdict
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.element import Element, Value, is_abstract
@@ -53,9 +55,10 @@ class Compare(Atom):
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Compares."""
         subject = binding[self.subject]
-        name = local_name(self.property)
         value = view.value(subject, self.property)
-        return Comparison(self.op, self.value).judge(f"the {name} of {subject}", value, f"{subject} has no {name}")
+        said = {"property": local_name(self.property), "thing": subject}
+        what, missing = Message("the {property} of {thing}", **said), Message("{thing} has no {property}", **said)
+        return Comparison(self.op, self.value).judge(what, value, missing)
 
 
 Operator = Literal["=", "!=", "<", "<=", ">", ">="]
@@ -71,8 +74,15 @@ OPPOSITE: Mapping[Operator, Operator] = MappingProxyType(
     {"=": "!=", "!=": "=", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 )
 """The comparison that holds of a value where another one does not."""
-_WORDS: Mapping[str, str] = MappingProxyType(
-    {"=": "", "!=": "other than ", "<": "less than ", "<=": "at most ", ">": "more than ", ">=": "at least "}
+_WORDS: Mapping[str, Callable[..., Message]] = MappingProxyType(
+    {
+        "=": partial(Message, "{value}"),
+        "!=": partial(Message, "other than {value}"),
+        "<": partial(Message, "less than {value}"),
+        "<=": partial(Message, "at most {value}"),
+        ">": partial(Message, "more than {value}"),
+        ">=": partial(Message, "at least {value}"),
+    }
 )
 
 
@@ -98,7 +108,7 @@ class Comparison:
             raise DescriptionError(f"'{self.op}' compares numbers, and {_said(self.value)} is a {kind}: use = or !=")
 
     def __str__(self) -> str:
-        return f"{_WORDS[self.op]}{_said(self.value)}"
+        return _WORDS[self.op](value=_said(self.value))
 
     def judge(self, what: str, present: Value | None, missing: str) -> Verdict:
         """Compares a value that is there with the constant.
@@ -114,11 +124,12 @@ class Comparison:
             return Verdict(False, missing)
         if kind_of(present) != kind_of(self.value):
             kind = kind_of(present) or "no text, number or truth value"
-            return Verdict(
-                False, f"{what} is {_said(present)} ({kind}): it cannot be compared with {_said(self.value)}"
-            )
-        holds = self.allows(present)
-        return Verdict(holds, f"{what} is {_said(present)}{'' if holds else f', not {self}'}")
+            said = {"what": what, "value": _said(present), "kind": kind, "other": _said(self.value)}
+            return Verdict(False, Message("{what} is {value} ({kind}): it cannot be compared with {other}", **said))
+        if self.allows(present):
+            return Verdict(True, Message("{what} is {value}", what=what, value=_said(present)))
+        said = {"what": what, "value": _said(present), "wanted": str(self)}
+        return Verdict(False, Message("{what} is {value}, not {wanted}", **said))
 
     def allows(self, present: Value | None) -> bool:
         """Tells whether a value that is there, or None, compares as wanted."""
@@ -262,7 +273,8 @@ class Condition:
         grounded = self.bind(binding) if binding else self
         gone = [a for a in grounded.arguments if a not in view.ontology.classes and not view.has(a)]
         if gone:
-            return Verdict(self.negated, str(grounded), (Verdict(False, f"there is no {' and no '.join(gone)}"),))
+            missing = all_of([Message("no {kind}", kind=name) for name in gone])
+            return Verdict(self.negated, str(grounded), (Verdict(False, Message("there is {kind}", kind=missing)),))
         pattern = grounded.closed_pattern(view.ontology)
         try:
             inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
@@ -321,5 +333,4 @@ def judge(condition: Condition, view: WorldView, binding: Binding | None = None)
             raise
         _log.error("condition %s broke", condition, exc_info=error)
         name = str(condition.bind(binding or {}))
-        text = f"{name} broke: {type(error).__name__}: {error}"
-        return Verdict(False, text)
+        return Verdict(False, Message("{name} broke: {error}", name=name, error=f"{type(error).__name__}: {error}"))

@@ -19,6 +19,7 @@ from lark import Lark, Token, Transformer, v_args
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
 
 from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.messages import Message, joined
 from skiros_py.skills.conditions.condition import OPERATORS, Condition, ConditionType, kind_of
 from skiros_py.skills.conditions.pattern import Binding, Pattern, Verdict, leaves
 from skiros_py.world.literals import shown
@@ -81,13 +82,15 @@ class Expression:
         try:
             holds = _parsed(self.text).term(lambda name: _value_of(name, view, binding, said))
             if not isinstance(holds, bool):
-                raise _Unknown(f"'{self.text}' is {_said(holds)}, not true or false")
+                raise _Unknown(Message("'{text}' is {value}, not true or false", text=self.text, value=_said(holds)))
         except _Unknown as error:
             return Verdict(False, str(error))
         except ZeroDivisionError:
-            return Verdict(False, f"'{self.text}' divides by zero")
-        values = ", ".join(f"{name} is {value}" for name, value in said.items())
-        return Verdict(holds, f"{values or self.text}{'' if holds else f', not {self.text}'}")
+            return Verdict(False, Message("'{text}' divides by zero", text=self.text))
+        values = joined(", ", [Message("{name} is {value}", name=name, value=value) for name, value in said.items()])
+        if holds:
+            return Verdict(True, values or self.text)
+        return Verdict(False, Message("{values}, not {text}", values=values or self.text, text=self.text))
 
     def problem(self, kinds_of: Callable[[str], frozenset[str]]) -> str | None:
         """Returns why it can never hold, whatever its names stand for, or None.
@@ -161,7 +164,7 @@ def _value_of(name: str, view: WorldView, binding: Mapping[str, Any], said: dict
     if name.startswith("`"):
         name = name.strip("`")
     elif head in binding and binding[head] is None:
-        raise _Unknown(f"{head} is not specified")
+        raise _Unknown(Message("{head} is not specified", head=head))
     elif name in binding:
         said[name] = _said(binding[name])
         return binding[name]
@@ -170,8 +173,10 @@ def _value_of(name: str, view: WorldView, binding: Mapping[str, Any], said: dict
     value = view.sensors.value(name)
     if value is None:
         why = view.sensors.why_not(name)
-        none = f"there is no value of '{name}'{f': {why}' if why else ''}"
-        raise _Unknown("no sensors here" if view.sensors is NO_SENSORS else none)
+        if view.sensors is NO_SENSORS:
+            raise _Unknown(Message("no sensors here"))
+        none = Message("there is no value of '{name}'", name=name)
+        raise _Unknown(Message("{none}: {why}", none=none, why=why) if why else none)
     said[name] = _said(value)
     return value
 
@@ -201,7 +206,15 @@ def _sampled(values: Iterable[Any]) -> bool:
 def _needs(kind: str, what: str, *values: Any) -> None:
     for value in values:
         if kind not in _kinds(value):
-            raise _Unknown(f"{what} takes a {kind}, and {_said(value)} is a {_kind(value)}")
+            raise _Unknown(
+                Message(
+                    "{what} takes a {kind}, and {value} is a {other}",
+                    what=what,
+                    kind=kind,
+                    value=_said(value),
+                    other=_kind(value),
+                )
+            )
 
 
 def _norm(vector: Any) -> Any:
@@ -294,7 +307,7 @@ class _Terms(Transformer[Token, Term]):
             if isinstance(value, Sample):
                 return _NUMBER
             if number >= len(value):
-                raise _Unknown(f"there is no [{number}] in {len(value)} values")
+                raise _Unknown(Message("there is no [{number}] in {count} values", number=number, count=len(value)))
             return value[number]
 
         return item
@@ -332,7 +345,15 @@ def _compare(left: Any, sign: str, right: Any) -> Any:
     if sign not in ("=", "==", "!="):
         _needs("number", f"'{sign}'", left, right)
     elif _kinds(left).isdisjoint(_kinds(right)):
-        raise _Unknown(f"{_said(left)} ({_kind(left)}) cannot be compared with {_said(right)} ({_kind(right)})")
+        raise _Unknown(
+            Message(
+                "{left} ({kind}) cannot be compared with {right} ({other})",
+                left=_said(left),
+                kind=_kind(left),
+                right=_said(right),
+                other=_kind(right),
+            )
+        )
     return _TRUTH if _sampled((left, right)) else bool(OPERATORS[sign.replace("==", "=")](left, right))
 
 

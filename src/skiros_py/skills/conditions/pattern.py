@@ -16,12 +16,15 @@ from types import MappingProxyType
 from typing import ClassVar, Protocol, Self
 
 from skiros_py.errors import DescriptionError
+from skiros_py.messages import Message, joined
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Filler
 from skiros_py.world.view import WorldView
 
 _SHOWN = 5
 """So many reasons are said in one sentence."""
+ALL_OF_THESE, ANY_OF_THESE = Message("all of these"), Message("any of these")
+"""Texts of verdicts on several parts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +48,10 @@ class Verdict:
 
     def lines(self, indent: int = 0) -> list[str]:
         """Returns the tree as indented lines, the decisive parts only: where it fails, why it fails."""
-        mark = "holds" if self.holds else "does not hold"
-        own = f"{'  ' * indent}{self.text}" + (f" ({mark})" if self.parts else "")
-        return [own, *(line for part in self.decisive for line in part.lines(indent + 1))]
+        text = self.text
+        if self.parts:
+            text = Message("{text} (holds)", text=text) if self.holds else Message("{text} (does not hold)", text=text)
+        return [joined("", ("  " * indent, text)), *(line for part in self.decisive for line in part.lines(indent + 1))]
 
     @property
     def why(self) -> str:
@@ -57,15 +61,15 @@ class Verdict:
     @property
     def sentence(self) -> str:
         """What was asked, and what decides it: "In(ball_1, box_b): ball_1 is not in box_b: it is in box_a"."""
-        return f"{self.text}: {self._reasons}" if self.parts else self.text
+        return joined(": ", (self.text, self._reasons)) if self.parts else self.text
 
     @property
     def _reasons(self) -> str:
         """The ends of the tree of reasons, each once."""
         ends = tuple(_ends(self))
         said = list(dict.fromkeys(end.text for end in ends if not end.vague) or dict.fromkeys(end.text for end in ends))
-        rest = [f"and {len(said) - _SHOWN} more"] if len(said) > _SHOWN else []
-        return "; ".join((*said[:_SHOWN], *rest))
+        rest = [Message("and {count} more", count=len(said) - _SHOWN)] if len(said) > _SHOWN else []
+        return joined("; ", (*said[:_SHOWN], *rest))
 
     @property
     def decisive(self) -> tuple[Verdict, ...]:
@@ -120,12 +124,14 @@ class Related(Atom):
 
 
 def _says(view: WorldView, relation: str, subject: str, object_: str, holds: bool) -> str:
-    verb = relation.partition(":")[2]
+    said = {"subject": subject, "relation": local_name(relation), "object": object_}
     if holds:
-        return f"{subject} {verb} {object_}"
+        return Message("{subject} {relation} {object}", **said)
     place = view.placement(subject) if view.ontology.is_placement(relation) else None
-    instead = f": it is {place.relation.partition(':')[2]} {place.place}" if place else ""
-    return f"{subject} is not {verb} {object_}{instead}"
+    if place is None:
+        return Message("{subject} is not {relation} {object}", **said)
+    now = {"there": local_name(place.relation), "place": place.place}
+    return Message("{subject} is not {relation} {object}: it is {there} {place}", **said, **now)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,8 +145,10 @@ class Nothing(Atom):
         """Looks for one that has."""
         object_ = binding[self.object]
         there = view.subjects(self.relation, object_)
-        verb = self.relation.partition(":")[2]
-        return Verdict(not there, f"{', '.join(there) or 'nothing'} {verb} {object_}")
+        said = {"relation": local_name(self.relation), "object": object_}
+        if not there:
+            return Verdict(True, Message("nothing {relation} {object}", **said))
+        return Verdict(False, Message("{things} {relation} {object}", things=", ".join(there), **said))
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +162,11 @@ class Has(Atom):
         """Looks it up."""
         subject = binding[self.subject]
         holds = view.value(subject, self.property) is not None
-        return Verdict(holds, f"{subject} has {'a' if holds else 'no'} {self.property.partition(':')[2]}")
+        said = {"thing": subject, "property": local_name(self.property)}
+        return Verdict(
+            holds,
+            Message("{thing} has a {property}", **said) if holds else Message("{thing} has no {property}", **said),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,8 +217,10 @@ class NumberChange(Atom):
         asked = [(binding[variable], name) for variable, name in self.counted]
         missing = next(((e, name) for e, name in asked if number_of(view, e, name) is None), None)
         element, name = missing or asked[0]
-        has = "no number for its" if missing else "a number for its"
-        return Verdict(missing is None, f"{element} has {has} {local_name(name)}")
+        said = {"thing": element, "property": local_name(name)}
+        if missing:
+            return Verdict(False, Message("{thing} has no number for its {property}", **said))
+        return Verdict(True, Message("{thing} has a number for its {property}", **said))
 
     @builtins.property  # the class has a field of that name
     def counted(self) -> tuple[tuple[str, str], ...]:
@@ -286,7 +300,9 @@ class Not:
         inner = self.pattern.evaluate(view, binding)
         if not inner.parts:
             return Verdict(not inner.holds, inner.text)
-        return Verdict(not inner.holds, f"not: {inner.text}", (inner,))  # what decides the inner one decides this
+        return Verdict(
+            not inner.holds, Message("not: {text}", text=inner.text), (inner,)
+        )  # what decides the inner one decides this
 
     def rename(self, names: Mapping[str, str]) -> Not:
         """Returns the same pattern with other variable names."""
@@ -300,8 +316,9 @@ class _Joined:
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Evaluates each."""
         parts = tuple(pattern.evaluate(view, binding) for pattern in self.patterns)
-        holds, which = (all(parts), "all") if isinstance(self, AllOf) else (any(parts), "any")
-        return Verdict(holds, f"{which} of these", parts)
+        if isinstance(self, AllOf):
+            return Verdict(all(parts), ALL_OF_THESE, parts)
+        return Verdict(any(parts), ANY_OF_THESE, parts)
 
     def rename(self, names: Mapping[str, str]) -> Self:
         """Returns the same pattern with other variable names."""
@@ -331,9 +348,11 @@ class Exists:
         for candidate in self._candidates(view, binding):
             verdict = self.pattern.evaluate(view, {**binding, self.variable: candidate})
             if verdict:
-                return Verdict(True, f"{candidate} is the {self.class_.partition(':')[2]}", (verdict,))
+                text = Message("{thing} is the {kind}", thing=candidate, kind=local_name(self.class_))
+                return Verdict(True, text, (verdict,))
         bound = ", ".join(value for key, value in sorted(binding.items()) if key != self.variable)
-        return Verdict(False, f"no {self.class_.partition(':')[2]} makes it true for {bound}", vague=True)
+        text = Message("no {kind} makes it true for {things}", kind=local_name(self.class_), things=bound)
+        return Verdict(False, text, vague=True)
 
     def _candidates(self, view: WorldView, binding: Binding) -> Sequence[str]:
         """The elements of the class; only those that are related as they must be, where the pattern begins so."""
@@ -371,8 +390,10 @@ class IsA(Atom):
         subject = binding[self.subject]
         type_ = view.element(subject).type
         holds = view.ontology.is_a(type_, self.class_)
-        wanted = "" if holds else f", not a {local_name(self.class_)}"
-        return Verdict(holds, f"{subject} is a {local_name(type_)}{wanted}")
+        said = {"thing": subject, "kind": local_name(type_)}
+        if holds:
+            return Verdict(True, Message("{thing} is a {kind}", **said))
+        return Verdict(False, Message("{thing} is a {kind}, not a {wanted}", wanted=local_name(self.class_), **said))
 
 
 @dataclass(frozen=True, slots=True)
@@ -393,13 +414,14 @@ class ClassRelated(Atom):
         type_ = view.element(subject).type
         below = view.ontology.sub_relations(self.relation)
         said = [filler for filler in view.ontology.fillers(type_) if filler.relation in below]
-        verb = local_name(self.relation)
+        words = {"kind": local_name(type_), "relation": local_name(self.relation), "object": object_}
         for filler in said:
             if _meets(view, object_, filler):
-                return Verdict(True, f"a {local_name(type_)} {verb} a {local_name(filler.of)}, as {object_} is one")
-        known = ", ".join(local_name(filler.of) for filler in said) or "nothing that is said"
-        kind = local_name(view.element(object_).type)
-        return Verdict(False, f"a {local_name(type_)} {verb} {known}, and {object_} is a {kind}")
+                meant = local_name(filler.of)
+                return Verdict(True, Message("a {kind} {relation} a {meant}, as {object} is one", meant=meant, **words))
+        known = ", ".join(local_name(filler.of) for filler in said) or Message("nothing that is said")
+        words |= {"known": known, "other": local_name(view.element(object_).type)}
+        return Verdict(False, Message("a {kind} {relation} {known}, and {object} is a {other}", **words))
 
 
 def _meets(view: WorldView, element: str, filler: Filler) -> bool:

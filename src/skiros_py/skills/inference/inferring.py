@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from skiros_py.messages import Message
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.inference.search import Search, Solution, choose, conjuncts
 from skiros_py.skills.parameters import IT, Param, missing
@@ -50,9 +51,10 @@ class Missing:
         return tuple(self.verdicts)
 
     def __str__(self) -> str:
-        which = f"parameter{'s' if len(self.keys) > 1 else ''} {', '.join(self.keys)}"
-        reasons = "; ".join(line.strip() for line in self.lines())
-        return f"{which} not specified: {reasons}"
+        said = {"keys": ", ".join(self.keys), "reasons": "; ".join(line.strip() for line in self.lines())}
+        if len(self.keys) > 1:
+            return Message("parameters {keys} not specified: {reasons}", **said)
+        return Message("parameter {keys} not specified: {reasons}", **said)
 
     def lines(self) -> list[str]:
         """Returns the reasons as indented lines."""
@@ -96,8 +98,8 @@ def infer(
         verdicts |= found.missing
     for key in missing(description.params, values):
         param = description.param(key)
-        unit = f" [{param.unit}]" if param.unit else ""
-        verdicts.setdefault(key, Verdict(False, f"{key}: a {param.type_name}{unit} must be given"))
+        kind = f"{param.type_name} [{param.unit}]" if param.unit else param.type_name
+        verdicts.setdefault(key, Verdict(False, Message("{key}: a {kind} must be given", key=key, kind=kind)))
     if verdicts:
         return Missing({p.key: verdicts[p.key] for p in description.params if p.key in verdicts}, values)
     return Inferred(values, {p.key: reasons[p.key] for p in description.params if p.key in reasons})
@@ -171,7 +173,10 @@ def _solve(group: _Group, view: WorldView) -> _Found:
     if not solutions:
         without_any = [param for param in group.params if not view.instances(param.element_class)]
         if without_any:
-            there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in without_any}
+            there_is_none = {
+                p.key: Verdict(False, Message("{key}: there is no {kind}", key=p.key, kind=p.element_class))
+                for p in without_any
+            }
             others = len(without_any) < len(group.params)
             rest = _solve(group.without(without_any), view) if others else _Found({}, {}, {})
             return _Found(rest.values, rest.reasons, {**rest.missing, **there_is_none})
@@ -185,13 +190,17 @@ def _solve(group: _Group, view: WorldView) -> _Found:
         fitting = sorted({solution[param.key] for solution in solutions})
         lacking = [need for need in failed if param.key in need.arguments]
         if len(fitting) > 1 and lacking:
-            text = f"{param.key}: {best[param.key]}, the best of {len(fitting)} candidates"
+            said = {"key": param.key, "thing": best[param.key], "count": len(fitting)}
+            text = Message("{key}: {thing}, the best of {count} candidates", **said)
             verdicts = tuple(need.evaluate(view, {**group.known, **best}) for need in lacking)
             open_[param.key] = Verdict(False, text, verdicts)
         elif len(fitting) > 1 and param.unique:
             listed = f"{', '.join(fitting[:10])}{', …' if len(fitting) > 10 else ''}"
-            open_[param.key] = Verdict(False, f"{param.key}: {listed} {'are left' if failed else 'all fit'}: say which")
+            text = Message("{key}: {things} all fit: say which", key=param.key, things=listed)
+            if failed:
+                text = Message("{key}: {things} are left: say which", key=param.key, things=listed)
+            open_[param.key] = Verdict(False, text)
         elif lacking:
-            reasons[param.key] = f"the only candidate, although {lacking[0]} does not hold"
+            reasons[param.key] = Message("the only candidate, although {condition} does not hold", condition=lacking[0])
     values = {key: value for key, value in best.items() if key not in open_}
     return _Found(values, {key: reason for key, reason in reasons.items() if key not in open_}, open_)

@@ -11,6 +11,7 @@ from typing import Any
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmKind, AlarmPage, Severity
 from skiros_py.api.wire import moment
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
+from skiros_py.messages import Message
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.session import Session
@@ -167,11 +168,17 @@ class Alarms:
         """
         alarm = self.get(id_)
         if not alarm.active:
-            raise WrongState(f"alarm {id_} is over: it waits for no answer any more")
+            raise WrongState(Message("alarm {alarm} is over: it waits for no answer any more", alarm=id_))
         if not alarm.choices:
-            raise WrongState(f"alarm {id_} asks nothing: acknowledge it")
+            raise WrongState(Message("alarm {alarm} asks nothing: acknowledge it", alarm=id_))
         if question is not None and question != alarm.question:
-            raise WrongState(f"alarm {id_} does not wait for the answer to question {question} (any more)")
+            raise WrongState(
+                Message(
+                    "alarm {alarm} does not wait for the answer to question {question} (any more)",
+                    alarm=id_,
+                    question=question,
+                )
+            )
         if answer not in alarm.choices:
             raise UnknownName("answer", answer, alarm.choices, where=f"of alarm {id_}")
         return alarm
@@ -187,11 +194,13 @@ class Alarms:
         job = jobs.open.get(job_id)  # before the alarm, which is then of this version or a later one
         now = self.require_choice(id_, answer.answer, answer.question)
         if job is None or job.question != now.question:
-            raise WrongState(f"job '{job_id}' does not wait for that answer any more: look what it asks now")
+            raise WrongState(
+                Message("job '{job}' does not wait for that answer any more: look what it asks now", job=job_id)
+            )
         try:
             jobs.answer(job_id, answer.answer, by=by, expects=job.version)
         except StaleVersion:
-            raise WrongState(f"job '{job_id}' has gone on meanwhile: look what it asks now") from None
+            raise WrongState(Message("job '{job}' has gone on meanwhile: look what it asks now", job=job_id)) from None
 
     def _answer_question(self, id_: str, answer: AlarmAnswer, by: str) -> None:
         """Gives an answer to a robot.
@@ -205,7 +214,7 @@ class Alarms:
         try:
             self._session().questions.answer(now.question, answer.answer, by=by)
         except UnknownName as error:
-            raise WrongState(f"the question is not open any more: {error}") from None
+            raise WrongState(Message("the question is not open any more: {error}", error=error)) from None
 
     # ------------------------------------------------------------------ keeping
 

@@ -7,6 +7,7 @@ import logging
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.interruptions import Overrun, WatchedTask
+from skiros_py.messages import Message
 from skiros_py.plugins.plugin import by_cause
 from skiros_py.skills.outcome import BROKEN
 from skiros_py.station.alarms.alarms import Alarms
@@ -61,7 +62,7 @@ class AlarmSources:
         if self._control.fault is not None:
             self._alarms.raise_(
                 AlarmKind.STATION,
-                f"there is no station any more: {self._control.fault}",
+                Message("there is no station any more: {fault}", fault=self._control.fault),
                 severity=Severity.CRITICAL,
             )
 
@@ -95,7 +96,7 @@ class AlarmSources:
         if self._halted == CLOSING:  # that is no halt
             return
         if self._halted:
-            text = f"everything was halted ({self._halted}): look, then reset"
+            text = Message("everything was halted ({why}): look, then reset", why=self._halted)
             self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
         else:
             self._alarms.clear_all(AlarmKind.HALTED, AlarmKind.CYCLE)
@@ -103,7 +104,7 @@ class AlarmSources:
     def _look_at_disk(self) -> None:
         self._disk = self._session.jobs.fault
         if self._disk:
-            text = f"everything is paused, and goes on by itself once this has ended: {self._disk}"
+            text = Message("everything is paused, and goes on by itself once this has ended: {why}", why=self._disk)
             self._alarms.raise_(AlarmKind.DISK, text, severity=Severity.HIGH)
         else:
             self._alarms.clear(AlarmKind.DISK)
@@ -130,7 +131,7 @@ class AlarmSources:
     def _note_manager(self, agent: str, lost: str) -> None:
         if lost:
             self._lost.add(agent)
-            text = f"the skill manager of {agent} is lost: {lost}"
+            text = Message("the skill manager of {agent} is lost: {why}", agent=agent, why=lost)
             self._alarms.raise_(AlarmKind.MANAGER, text, agent, severity=Severity.HIGH)
         else:
             self._lost.discard(agent)
@@ -154,7 +155,9 @@ class AlarmSources:
             self._waiting[job.id] = job
             self._alarms.raise_(
                 AlarmKind.JOB,
-                f"job {job.id}: {job.detail}" if job.question is None else f"job {job.id} is {job.detail}",
+                Message("job {job}: {detail}", job=job.id, detail=job.detail)
+                if job.question is None
+                else Message("job {job} is {detail}", job=job.id, detail=job.detail),
                 job.id,
                 severity=Severity.HIGH,
                 choices=job.choices,
@@ -167,7 +170,7 @@ class AlarmSources:
     def _module(self, event: ModuleEvent) -> None:
         source = f"{event.module} of {event.agent}"
         if event.status is Status.ERROR and event.code == BROKEN:
-            text = f"{source} is broken: {event.text}"
+            text = Message("{source} is broken: {text}", source=source, text=event.text)
             self._alarms.raise_(AlarmKind.MODULE, text, source, severity=Severity.MEDIUM, lasts=False)
         elif event.status is Status.TERMINATED:  # it works again
             self._alarms.clear(AlarmKind.MODULE, source)
@@ -178,17 +181,19 @@ class AlarmSources:
             if self._session.cycle.halted:  # there is an alarm of that
                 return
             if entry.what is TraceEventKind.FINISHED and report is not None and report.fault:
-                text = f"{task.name} ended before its time: {report.fault}"
+                text = Message("{name} ended before its time: {fault}", name=task.name, fault=report.fault)
                 self._alarms.raise_(AlarmKind.TASK, text, task.name, lasts=False)
 
         task.trace.subscribe(hear)
 
     def _overrun(self, overrun: Overrun) -> None:
         """In the watchdog's thread: the control thread cannot tell itself."""
-        text = f"everything was halted ({overrun}): look, then reset"
+        text = Message("everything was halted ({why}): look, then reset", why=overrun)
         self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
 
     def _stuck(self, task: WatchedTask) -> None:
         """In the watchdog's thread."""
-        text = f"{task.name} holds the control cycle and does not come back: the station has to be restarted"
+        text = Message(
+            "{name} holds the control cycle and does not come back: the station has to be restarted", name=task.name
+        )
         self._alarms.raise_(AlarmKind.CYCLE, text, severity=Severity.CRITICAL)

@@ -15,6 +15,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from skiros_py.listeners import Listeners
+from skiros_py.messages import messages_in
 
 _ID = b"\nid: "
 """Terminator of the text in a server-sent event; text in one line cannot contain it."""
@@ -154,8 +155,13 @@ class EventLog:
         elements: Iterable[str] = (),
         data: Mapping[str, Any] | None = None,
     ) -> Event:
-        """Appends an event and calls the listeners; does not block; callable from any thread."""
-        touched = frozenset(elements)
+        """Appends an event and calls the listeners; does not block; callable from any thread.
+
+        The data gets what its sentences are made of, as ``texts``.
+        """
+        touched, data = frozenset(elements), data or {}
+        if "texts" not in data and (texts := messages_in(data)):
+            data = {**data, "texts": texts}
         listed = touched if len(touched) <= _MOST_ELEMENTS else None
         with self._guard:
             number, wall, now = self.last + 1, time.time(), self.clock()
@@ -169,7 +175,7 @@ class EventLog:
                 "subject": subject,
                 "job": job,
             }
-            text = as_text(data or {})
+            text = as_text(data)
             if len(text) > _LONGEST:
                 left_out = f"{len(text)} characters are too many for an event: read it where it is kept"
                 text = as_text({"left_out": left_out})

@@ -10,6 +10,7 @@ from queue import Empty, SimpleQueue
 from typing import Generic, NamedTuple, TypeVar
 
 from skiros_py.errors import Overloaded
+from skiros_py.messages import Message
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.manager import JobManager, Submission
 
@@ -64,7 +65,7 @@ class OrderIntake(Generic[T]):
             Overloaded: Too many orders wait.
         """
         if not self._places.acquire(blocking=False):
-            raise Overloaded(f"{MOST_WAITING} orders wait to be stored: send them more slowly")
+            raise Overloaded(Message("{count} orders wait to be stored: send them more slowly", count=MOST_WAITING))
         answer: Future[T] = Future()
         answer.set_running_or_notify_cancel()  # who no longer waits cannot cancel it: the order is stored anyway
         answer.add_done_callback(lambda _: self._places.release())

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 from skiros_py.api import jobs as api
 from skiros_py.api.jobs import StateName
 from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
+from skiros_py.messages import Message
 from skiros_py.station.document_store import TEMPLATE
 from skiros_py.station.jobs import views
 from skiros_py.station.jobs.intake import OrderIntake
@@ -142,11 +143,15 @@ class JobService(Service):
 
         def read() -> Submission | OrderResult:
             if order.id not in (None, id_):
-                raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
+                raise UsageError(
+                    Message("the order has the id '{job}', and the address '{address}'", job=order.id, address=id_)
+                )
             jobs = self._jobs
             known = jobs.find(id_)
             if known is None and replaces:
-                raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
+                raise StaleVersion(
+                    Message("there is no job '{job}' (any more): leave out If-Match to order it", job=id_)
+                )
             if known is None:
                 _check_removed(None if again else jobs.store.removed(id_), order)
                 return Submission(self._read(order, id_), start, _said(author, ""), again=again)
@@ -252,11 +257,17 @@ class JobService(Service):
         if answer.question is None or expects is not None:
             return _view(jobs.answer(id_, answer.answer, by=author.name, expects=expects))
         if now.question != answer.question:
-            raise WrongState(f"job '{id_}' does not wait for the answer to question {answer.question} (any more)")
+            raise WrongState(
+                Message(
+                    "job '{job}' does not wait for the answer to question {question} (any more)",
+                    job=id_,
+                    question=answer.question,
+                )
+            )
         try:
             return _view(jobs.answer(id_, answer.answer, by=author.name, expects=now.version))
         except StaleVersion:
-            raise WrongState(f"job '{id_}' has gone on meanwhile: look what it asks now") from None
+            raise WrongState(Message("job '{job}' has gone on meanwhile: look what it asks now", job=id_)) from None
 
     # ------------------------------------------------------------------ reading
 
@@ -364,19 +375,23 @@ def _check_removed(last: Job | None, order: api.JobOrder) -> None:
     """
     if last is None:
         return
-    what = f"job '{last.id}' was ordered before and removed"
+    what = Message("job '{job}' was ordered before and removed", job=last.id)
     if not is_same(order, last.order):
-        detail = f"{what}, with another order: take another id, or say again=true"
+        detail = Message("{what}, with another order: take another id, or say again=true", what=what)
         raise Refused("UnableToAcceptJobOrder", detail, return_status=_UNABLE)
     view = views.job_view(last, time.time()).model_dump(mode="json", by_alias=True)
-    detail = f"{what}: it is not done once more, unless you say again=true"
+    detail = Message("{what}: it is not done once more, unless you say again=true", what=what)
     raise Refused("JobOrderRemoved", detail, return_status=_UNABLE, last=view)
 
 
 def _taken_already(known: Job) -> Refused:
     return Refused(
         "UnableToAcceptJobOrder",
-        f"job '{known.id}' is there already, with another order: take another id; or, before it has begun, put the"
-        f' order with If-Match: "{known.version}"',
+        Message(
+            "job '{job}' is there already, with another order: take another id; "
+            'or, before it has begun, put the order with If-Match: "{version}"',
+            job=known.id,
+            version=known.version,
+        ),
         return_status=_UNABLE,
     )

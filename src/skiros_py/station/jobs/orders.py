@@ -10,6 +10,7 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.api.wire import fault_field, fault_words
 from skiros_py.errors import UsageError
+from skiros_py.messages import Message
 from skiros_py.station.document_store import TEMPLATE, DocumentStore
 from skiros_py.station.jobs.template_document import content_of, filled, goal_texts
 from skiros_py.tasks.jobs.job import JobOrder
@@ -47,7 +48,14 @@ def texts_of(ordered: GoalOrder, documents: DocumentStore) -> tuple[str, ...]:
 def _check_length(what: str, number: int) -> None:
     """Refuses values so long that they would fill memory, disk and every answer."""
     if number > LONGEST:
-        raise UsageError(f"{what} has {number} bytes, and {LONGEST} are allowed: order it in several jobs")
+        raise UsageError(
+            Message(
+                "{what} has {number} bytes, and {longest} are allowed: order it in several jobs",
+                what=what,
+                number=number,
+                longest=LONGEST,
+            )
+        )
 
 
 def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
@@ -62,7 +70,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
         UsageError: The id is not valid.
     """
     if id_ in _NO_IDS:
-        raise UsageError(f"'{id_}' cannot be the id of a job: it means something else in an address")
+        raise UsageError(Message("'{job}' cannot be the id of a job: it means something else in an address", job=id_))
     if not id_.isprintable():  # such as a character that reverses the order of those that follow
         raise UsageError(f"id: {_ID}")
     try:

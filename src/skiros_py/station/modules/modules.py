@@ -11,6 +11,7 @@ from skiros_py.catalogue import survey
 from skiros_py.errors import UsageError, WrongState
 from skiros_py.execution.runtime import agents_of
 from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.messages import Message
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
@@ -39,11 +40,17 @@ class ModuleService(Service):
             with addressed("UnknownAgent"):
                 session.world.element(agent)
             if agent in session.managers and not session.managers[agent].lost:
-                raise WrongState(f"the skill manager of {agent} is open already")
+                raise WrongState(Message("the skill manager of {agent} is open already", agent=agent))
             agents = agents_of(session.world, session.spec)
             if agent not in agents:
-                there = f"and is no device that acts; there is {', '.join(agents) or 'none'}"
-                raise UsageError(f"{agent} belongs to no robot of this session {there}")
+                known = ", ".join(agents) or Message("none")
+                raise UsageError(
+                    Message(
+                        "{agent} belongs to no robot of this session and is no device that acts; there is {known}",
+                        agent=agent,
+                        known=known,
+                    )
+                )
             session.managers.open(agent)
             return views.manager(session, session.managers[agent])
 
@@ -64,7 +71,13 @@ class ModuleService(Service):
         def do(session: Session) -> None:
             running = _manager(session, agent).running
             if running and not force:
-                raise WrongState(f"{agent} runs {', '.join(sorted(running))}: stop that first, or force it")
+                raise WrongState(
+                    Message(
+                        "{agent} runs {running}: stop that first, or force it",
+                        agent=agent,
+                        running=", ".join(sorted(running)),
+                    )
+                )
             session.managers.close(agent)
 
         self._call(do)
@@ -132,7 +145,7 @@ class ModuleService(Service):
         def do(session: Session) -> None:
             manager = _manager(session, agent, module)
             if module in manager.running:
-                raise WrongState(f"{module} of {agent} is running: stop it first")
+                raise WrongState(Message("{module} of {agent} is running: stop it first", module=module, agent=agent))
             manager.reset(module)
 
         self._call(do)

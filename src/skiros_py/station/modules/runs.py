@@ -17,6 +17,7 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.panel import Panel
 from skiros_py.execution.running import RunningModule
 from skiros_py.listeners import Listeners
+from skiros_py.messages import Message
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.station.requests import addressed
 from skiros_py.station.session import Session
@@ -135,7 +136,15 @@ class ModuleRun:
             if self.over:
                 return
         elif self.over or self.status == "stopping":
-            raise WrongState(f"run {self.id} of {self.wish.module} is {self.status}: it takes no {verb}")
+            raise WrongState(
+                Message(
+                    "run {run} of {module} is {status}: it takes no {verb}",
+                    run=self.id,
+                    module=self.wish.module,
+                    status=self.status,
+                    verb=verb,
+                )
+            )
         self.stop_wanted = self.stop_wanted or verb == "stop"
         getattr(self.running, verb)()
 
@@ -255,7 +264,7 @@ class ModuleRuns:
         """Ends the runs that are still active together with their session."""
         for run in self._active:
             run.stop_wanted = True
-            run.end(Failure("the station was shut down"), session.cycle.board.now)
+            run.end(Failure(Message("the station was shut down")), session.cycle.board.now)
         self._active = ()
 
     def _attend(self, session: Session) -> None:
@@ -270,7 +279,7 @@ class ModuleRuns:
         running = run.running
         run.cycles += 1
         if run.wish.at_once and not run.begun and run.cycles >= _AT_ONCE and not running.task.done:
-            run.refusal = f"{run.wish.module} did not start: something else uses its devices"
+            run.refusal = Message("{module} did not start: something else uses its devices", module=run.wish.module)
             running.stop()
         manager = session.managers.get(run.wish.agent)
         if not running.done or (manager is not None and manager.running.get(run.wish.module) is running):
@@ -287,7 +296,7 @@ class ModuleRuns:
             running = session.start_module(run.wish.module, run.wish.given, run.wish.agent)
             run.begin(running, session.cycle.board.now)
         except SkirosError as error:
-            run.refusal = f"it cannot be done once more: {error}"
+            run.refusal = Message("it cannot be done once more: {error}", error=error)
             run.end(Failure(run.refusal), session.cycle.board.now)
 
     # ------------------------------------------------------------------ progress and changes of a run

@@ -11,6 +11,7 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.execution.claims import pieces
 from skiros_py.execution.signals import SignalLost, Signals
+from skiros_py.messages import Message
 from skiros_py.ports.device import to_plain
 from skiros_py.ports.driver import CompositeDriver, Connection
 from skiros_py.ports.kinematics import JointRange
@@ -56,7 +57,9 @@ class DeviceService(Service):
             if connection is not None:
                 connection.connect()  # the session continues meanwhile
         except SkirosError as error:
-            raise Refused("NotConnected", f"{id_} cannot be opened: {error}") from error
+            raise Refused(
+                "NotConnected", Message("{device} cannot be opened: {error}", device=id_, error=error)
+            ) from error
         self._call(lambda session: session.cycle.board.closed.discard(id_))
         return self.get(id_)
 
@@ -75,9 +78,9 @@ class DeviceService(Service):
             with session.managers.claims.request("closing it", {id_}) as claim:
                 users = claim.waits_for()
             if users:
-                raise WrongState(f"{', '.join(users)} is in use: stop that first")
+                raise WrongState(Message("{users} is in use: stop that first", users=", ".join(users)))
             if not board.stand({id_}):
-                raise WrongState(f"{id_} moves: wait until it stands still")
+                raise WrongState(Message("{device} moves: wait until it stands still", device=id_))
             board.closed.add(id_)
             return connection if connection is not None and connection.devices.keys() <= board.closed else None
 
@@ -153,17 +156,37 @@ class DeviceService(Service):
             spec = find("device", id_, session.spec.devices)
             names: tuple[str, ...] = getattr(spec, verb)
             if not names:
-                raise UsageError(f"{id_}: devices of kind '{spec.kind}' have no module to {verb}")
+                raise UsageError(
+                    Message(
+                        "{device}: devices of kind '{kind}' have no module to {verb}",
+                        device=id_,
+                        kind=spec.kind,
+                        verb=verb,
+                    )
+                )
             if module is not None and module not in names:
                 raise UnknownName("module", module, names, where=f"to {verb} {id_}")
             name = module or names[0]
             agent = _agent(session, id_, name)
             if agent is None:
-                raise UsageError(f"no subsystem that could {verb} {id_} has the module {name}")
+                raise UsageError(
+                    Message(
+                        "no subsystem that could {verb} {device} has the module {name}",
+                        verb=verb,
+                        device=id_,
+                        name=name,
+                    )
+                )
             if id_ in session.cycle.board.closed:
-                raise WrongState(f"{id_} is closed: open it first")
+                raise WrongState(Message("{device} is closed: open it first", device=id_))
             if busy := _busy(session, agent):
-                raise WrongState(f"{id_} cannot be moved by hand, {busy} is active: wait, or pause or stop that")
+                raise WrongState(
+                    Message(
+                        "{device} cannot be moved by hand, {busy} is active: wait, or pause or stop that",
+                        device=id_,
+                        busy=busy,
+                    )
+                )
             arguments = {**given, **_device_parameter(session, agent, name, id_, given)}
             return self._station.module_runs.start(session, Wish(agent, name, arguments, author.name, at_once=True))
 
@@ -245,7 +268,11 @@ def _device_parameter(
     for param in session.managers[agent].info(module).params:
         if param.is_element and view.ontology.is_a(type_, param.element_class):
             if given.get(param.key) not in (None, device):
-                raise UsageError(f"{param.key}: it is {device} here, not {given[param.key]}")
+                raise UsageError(
+                    Message(
+                        "{key}: it is {device} here, not {given}", key=param.key, device=device, given=given[param.key]
+                    )
+                )
             return {param.key: device}
     return {}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from skiros_py.api.robots import RobotInfo, RobotReading
 from skiros_py.errors import Busy, Refused, SkirosError
+from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.requests import Service, find
@@ -57,7 +58,9 @@ class RobotService(Service):
         except Busy:
             raise
         except SkirosError as error:  # the robots of a plug-in may have none
-            raise Refused("NoModel", f"{id_} has no model that can be drawn: {error}") from None
+            raise Refused(
+                "NoModel", Message("{robot} has no model that can be drawn: {error}", robot=id_, error=error)
+            ) from None
 
     def mesh(self, id_: str, name: str) -> bytes:
         """Returns a mesh of a robot's model as binary STL [m].

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from skiros_py.errors import DescriptionError, DeviceError, FileError, UsageError, WrongState
+from skiros_py.messages import Message
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.restart import respawn
 from skiros_py.station.control import ControlThread
@@ -61,7 +62,9 @@ def load(
     except (DescriptionError, DeviceError, FileError) as error:
         if not before:
             raise
-        raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
+        raise UsageError(
+            Message("the station cannot be brought up in that scene, and is in the old one: {error}", error=error)
+        ) from error
 
 
 def check_scene(session: Session, scene: WorldView) -> None:
@@ -105,7 +108,11 @@ def require_rest(session: Session) -> None:
         )
     held = next((job.id for job in session.jobs.open.values() if job.state.has_begun), None)
     if held is not None:
-        raise WrongState(f"job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed")
+        raise WrongState(
+            Message(
+                "job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed", held=held
+            )
+        )
 
 
 def _take_back(data: Path, old: Index, change: Change | None) -> None:

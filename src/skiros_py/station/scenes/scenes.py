@@ -12,6 +12,7 @@ from pathlib import Path
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
 from skiros_py.errors import FileError, Refused, StaleVersion, UnknownName, UsageError
+from skiros_py.messages import Message
 from skiros_py.station.requests import Seen, require_seen
 from skiros_py.world.change import Edit, ElementEdit, SourceEdit
 from skiros_py.world.index import Index
@@ -139,12 +140,17 @@ class SceneStore:
                 file = self.find(name)
             except UnknownName:
                 if seen is not None and seen.version is not None:
-                    raise StaleVersion(f"there is no scene '{name}' any more: it was removed since") from None
+                    raise StaleVersion(
+                        Message("there is no scene '{name}' any more: it was removed since", name=name)
+                    ) from None
             except FileError as error:
-                raise Refused("SceneBroken", f"{name} is broken, nothing was changed: {error.reason}") from None
+                raise Refused(
+                    "SceneBroken",
+                    Message("{name} is broken, nothing was changed: {reason}", name=name, reason=error.reason),
+                ) from None
             else:
                 if not file.saved:
-                    text = f"'{name}' is a scene that came with a package: choose another name"
+                    text = Message("'{name}' is a scene that came with a package: choose another name", name=name)
                     raise Refused("SceneInstalled", text)
                 require_seen(seen, file.version)
             make_folder(self._folder)
@@ -163,7 +169,7 @@ class SceneStore:
         with self._writing:
             file = self.find(name)
             if not file.saved:
-                raise Refused("SceneInstalled", f"scene '{name}' came with a package, and stays")
+                raise Refused("SceneInstalled", Message("scene '{name}' came with a package, and stays", name=name))
             if seen is not None:
                 require_seen(seen, file.version)
             file.path.unlink(missing_ok=True)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.api.scenes import CurrentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, Refused, UsageError
+from skiros_py.messages import Message
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import check_scene, load, require_rest, shown
 from skiros_py.station.scenes.scenes import SceneFile, scene_only
@@ -100,7 +101,7 @@ class SceneService(Service):
         try:
             file = self._station.scene_store.save(name, world.snapshot(), seen)
         except FileError as error:
-            raise Refused("NotSaved", f"the scene is not saved: {shown(error)}") from None
+            raise Refused("NotSaved", Message("the scene is not saved: {error}", error=shown(error))) from None
         with world.transaction("server", f"saved as scene {name}", writer=Writer.SYSTEM) as tx:
             tx.set_source(scene_source(file.path))
         return _entry(file), file.version
@@ -163,7 +164,7 @@ class SceneService(Service):
             parse_goal(scene.goals, scene, session.catalogue.conditions)
             check_scene(session, scene)
         except DescriptionError as error:
-            raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
+            raise UsageError(Message("the station cannot be brought up in that scene: {error}", error=error)) from error
         version = None if seen is None else seen.version
         load(station.control, station.data, scene, author=author.name, holder=author.holder, seen=version)
         return self.current()
@@ -285,4 +286,8 @@ def _broken(code: str, name: str) -> Iterator[None]:
     try:
         yield
     except FileError as error:
-        raise Refused(code, f"{name} is broken, nothing was changed: {shown(error)}", line=error.line) from None
+        raise Refused(
+            code,
+            Message("{name} is broken, nothing was changed: {error}", name=name, error=shown(error)),
+            line=error.line,
+        ) from None

@@ -24,6 +24,7 @@ from skiros_py.errors import (
     WrongState,
 )
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.skills.cell_reader import read_body
@@ -136,7 +137,9 @@ class Simulation:
             hits = cell.scene.hits(body, wanted)
             if hits:
                 names = ", ".join(f"{name} ({depth * 100:.1f} cm)" for name, depth in sorted(hits.items()))
-                raise Refused("Collision", f"there {body} would be inside {names}", hits=hits)
+                raise Refused(
+                    "Collision", Message("there {body} would be inside {things}", body=body, things=names), hits=hits
+                )
             if not check:
                 cell.move_body(body, wanted)
 
@@ -243,7 +246,7 @@ class Simulation:
             session.cycle.set_pace(self._pace)
         self._stale = {}
         for name, why in session.left_out.items():
-            self._note(name, f"the station was brought up without {name}: {why}")
+            self._note(name, Message("the station was brought up without {name}: {why}", name=name, why=why))
         session.on_close(
             partial(self._alarms.clear_all, AlarmKind.STALE), session.world.subscribe(partial(self._hear, session))
         )
@@ -258,7 +261,9 @@ class Simulation:
             return
         view = session.world.snapshot()
         for name in _fixed(view, change):
-            self._note(name, f"{name} was changed: reset the simulation, and it is brought up like that")
+            self._note(
+                name, Message("{name} was changed: reset the simulation, and it is brought up like that", name=name)
+            )
         if session.simulates:
             self._move_bodies(session, view, change)
 
@@ -278,7 +283,7 @@ class Simulation:
         try:
             return read_body(view, name)
         except SkirosError as error:
-            self._note(name, f"the body of {name} stays as it is: {error}")
+            self._note(name, Message("the body of {name} stays as it is: {error}", name=name, error=error))
             return None
 
     def _put(self, session: Session, body: BodySpec, *, moved: bool, passing: set[str]) -> None:
@@ -286,7 +291,7 @@ class Simulation:
         try:
             scene.follow_belief(body.id, body, moved=moved, seed=session.options.seed, passing=passing)
         except SkirosError as error:
-            self._note(body.id, f"the body of {body.id} stays as it is: {error}")
+            self._note(body.id, Message("the body of {name} stays as it is: {error}", name=body.id, error=error))
         else:
             self._settle(body.id)
 

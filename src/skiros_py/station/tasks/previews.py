@@ -12,6 +12,7 @@ from skiros_py.api import previews as api
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.previews import AppliedRepair, PreviewPage, PreviewState
 from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
+from skiros_py.messages import Message
 from skiros_py.planning.plan import NoPlan, Plan, Repair
 from skiros_py.planning.requests import Asked, PlanRequest
 from skiros_py.planning.service import Planned, PlanningOptions
@@ -93,7 +94,10 @@ class PreviewService(Service):
         options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER, session.catalogue.absent)
         with self._guard:
             if self._closed or sum(not one.ended.is_set() for one in self._previews.values()) >= _AT_ONCE:
-                raise Busy(f"{_AT_ONCE} previews are being planned: ask again later", retry_after=_RETRY_AFTER)
+                raise Busy(
+                    Message("{count} previews are being planned: ask again later", count=_AT_ONCE),
+                    retry_after=_RETRY_AFTER,
+                )
             self._last += 1
             request = PlanRequest(conditions, capabilities, options=options)
             version, now = session.world.version, time.time()
@@ -138,7 +142,8 @@ class PreviewService(Service):
         repair = repairs[number]
         if not repair.edits:
             raise Refused(
-                "RepairNotApplicable", f"'{repair.text}' is no change of the world: see to it, or order otherwise"
+                "RepairNotApplicable",
+                Message("'{text}' is no change of the world: see to it, or order otherwise", text=repair.text),
             )
         repair.apply(self._world, author.name, Writer.PERSON, author.holder)
         return AppliedRepair(text=repair.done, world=self._world.version)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from skiros_py.behaviours import Behaviour, Do, DocumentKind, PaletteEntry, Review
 from skiros_py.behaviours import Sequence as Body
 from skiros_py.errors import DescriptionError, DocumentFault, Refused
+from skiros_py.messages import Message, joined
 from skiros_py.planning.plan import Step
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
@@ -88,7 +89,11 @@ def require_works(checks: Sequence[StepCheck]) -> None:
     Raises:
         Refused: A step cannot work.
     """
-    broken = [f"step {n} ({c.step.skill}): {'; '.join(c.problems)}" for n, c in enumerate(checks) if c.problems]
+    broken = [
+        Message("step {number} ({skill}): {problems}", number=n, skill=c.step.skill, problems=joined("; ", c.problems))
+        for n, c in enumerate(checks)
+        if c.problems
+    ]
     if broken:
-        why = " / ".join(broken)
-        raise Refused("CannotWork", f"it cannot work: {why}; change it, or run it anyway", broken=broken)
+        text = Message("it cannot work: {why}; change it, or run it anyway", why=joined(" / ", broken))
+        raise Refused("CannotWork", text, broken=broken)

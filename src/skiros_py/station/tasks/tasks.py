@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from skiros_py.api.tasks import NewTask, TaskInfo, TaskReport, Tasks, TaskStep, TaskTrace
 from skiros_py.errors import Refused, WrongState
+from skiros_py.messages import Message
 from skiros_py.planning.plan import Step
 from skiros_py.station.document_store import SEQUENCE
 from skiros_py.station.jobs.views import planned_steps
@@ -98,13 +99,15 @@ class KeptTask:
         """
         task = self.task
         if self.job and not self.over:
-            raise WrongState(f"task '{self.name}' belongs to a job: command that one, /jobs/{self.job}")
+            raise WrongState(
+                Message("task '{name}' belongs to a job: command that one, /jobs/{job}", name=self.name, job=self.job)
+            )
         if task is None or task.done:
             if verb == "stop":
                 return
-            raise WrongState(f"task '{self.name}' has ended: it takes no {verb}")
+            raise WrongState(Message("task '{name}' has ended: it takes no {verb}", name=self.name, verb=verb))
         if verb == "stop":
-            task.stop(f"{by} stopped it")
+            task.stop(Message("{by} stopped it", by=by))
         else:
             getattr(task, verb)()
 

@@ -8,6 +8,7 @@ from contextlib import suppress
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
 from skiros_py.errors import UsageError, WorldError
+from skiros_py.messages import Message
 from skiros_py.skills.conditions.effects import Relate, brought_about
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.change import Writer
@@ -90,7 +91,13 @@ def _placement(view: Index, name: str) -> Relation:
     relation = view.ontology.relation(name)
     placements = _placements(view)
     if relation not in placements:
-        raise UsageError(f"{name} does not place anything: use one of {', '.join(r.curie for r in placements)}")
+        raise UsageError(
+            Message(
+                "{name} does not place anything: use one of {relations}",
+                name=name,
+                relations=", ".join(r.curie for r in placements),
+            )
+        )
     return relation
 
 

@@ -13,6 +13,7 @@ from typing import Any
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import Busy, DeviceError, UsageError
+from skiros_py.messages import Message
 from skiros_py.station.requests import Service, addressed, admitted
 from skiros_py.station.session import Session
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
@@ -97,7 +98,7 @@ class Queries:
             UsageError: It cannot be answered, or not within its limits; the text gives the reason.
             Busy: Too many queries are being answered already, or the station is being opened.
         """
-        full = f"{self._limits.at_once} questions are being answered already: ask again later"
+        full = Message("{count} questions are being answered already: ask again later", count=self._limits.at_once)
         with admitted(self._turns, full):
             outside = self._outside
             if outside is None:

@@ -6,9 +6,19 @@ import enum
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
+from pydantic import (
+    AwareDatetime,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+)
 
 from skiros_py.errors import WrongState
+from skiros_py.messages import Message, read_message
 from skiros_py.tasks.policy import Policy
 
 
@@ -109,7 +119,12 @@ def next_state(state: JobState, trigger: Trigger) -> JobState:
         removal = "clear: it is over" if not state.is_open else "" if state.has_begun else "cancel"
         able = ", ".join(filter(None, (*(t.value for t in allowed(state) if t not in _OF_CELL), removal)))
         raise WrongState(
-            f"a job that is {state.name.lower().replace('_', ' ')} takes no {trigger.value}; it takes {able}"
+            Message(
+                "a job that is {state} takes no {trigger}; it takes {able}",
+                state=state.name.lower().replace("_", " "),
+                trigger=trigger.value,
+                able=able,
+            )
         )
     return _TABLE[state][trigger]
 
@@ -197,6 +212,20 @@ class Outcome(enum.StrEnum):
     EXPIRED = "expired"
 
 
+def _read_text(value: Any, check: ValidatorFunctionWrapHandler) -> str:
+    if isinstance(value, Mapping):
+        return read_message(value)
+    return value if isinstance(value, Message) else str(check(value))
+
+
+def _write_text(text: str) -> Any:
+    return text.data if isinstance(text, Message) else text
+
+
+Text = Annotated[str, WrapValidator(_read_text), PlainSerializer(_write_text, when_used="json")]
+"""A text for people; a message is stored with what it is made of."""
+
+
 class Actual(BaseModel):
     """The result for one condition of the goal.
 
@@ -210,7 +239,7 @@ class Actual(BaseModel):
 
     condition: str
     reached: bool
-    reason: str = ""
+    reason: Text = ""
 
 
 class MaterialActual(BaseModel):
@@ -250,7 +279,7 @@ class Intent(BaseModel):
     number: int
     skill: str
     arguments: dict[str, str]
-    ended: str | None = None
+    ended: Text | None = None
 
 
 class Transition(BaseModel):
@@ -268,7 +297,7 @@ class Transition(BaseModel):
     wall: float
     trigger: str
     state: JobState
-    comment: str = ""
+    comment: Text = ""
 
 
 class Job(BaseModel):
@@ -297,13 +326,13 @@ class Job(BaseModel):
     order: JobOrder
     number: int
     state: JobState
-    detail: str = ""
+    detail: Text = ""
     choices: tuple[str, ...] = ()
     question: int | None = None
     outcome: Outcome | None = None
     actuals: tuple[Actual, ...] = ()
     materials: tuple[MaterialActual, ...] = ()
-    reasons: tuple[str, ...] = ()
+    reasons: tuple[Text, ...] = ()
     plan: tuple[str, ...] = ()
     attempts: int = 0
     seen: int | None = None

@@ -24,6 +24,7 @@ from skiros_py.errors import (
     WrongState,
 )
 from skiros_py.execution.runtime import Runtime
+from skiros_py.messages import Message
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, JobState, Outcome, Transition, Trigger, next_state
 from skiros_py.tasks.jobs.queue import Guard, JobBook
 from skiros_py.tasks.jobs.run import ABORT, BY_HAND, WAITS, JobRun, hold_what_was_cut_off
@@ -235,7 +236,10 @@ class JobManager:
                 self._book.note(wanted.receipt, known)
             return known
         if len(self.open) + len(added) >= self.limit:
-            raise Busy(f"{self.limit} jobs are open, no more are taken: try again later", retry_after=_RETRY_AFTER)
+            raise Busy(
+                Message("{count} jobs are open, no more are taken: try again later", count=self.limit),
+                retry_after=_RETRY_AFTER,
+            )
         job = self._book.add(wanted.order, start=wanted.start, comment=wanted.comment, receipt=wanted.receipt)
         added.append(job)
         return job
@@ -249,7 +253,11 @@ class JobManager:
         if known is None:
             _check_removed(order, None if wanted.again else self.store.removed(order.id))
         elif known.order != order:
-            raise WrongState(f"job '{order.id}' is there already, with another order: update that, or take another id")
+            raise WrongState(
+                Message(
+                    "job '{job}' is there already, with another order: update that, or take another id", job=order.id
+                )
+            )
         return known
 
     def update(self, order: JobOrder, comment: str = "", *, expects: int | None = None) -> Job:
@@ -290,9 +298,9 @@ class JobManager:
         """Removes a job that has not started and returns its last version."""
         with self._command(job, expects) as now:
             if now.state.has_begun:
-                raise WrongState(f"job '{job}' has begun: stop or abort it, then clear it")
+                raise WrongState(Message("job '{job}' has begun: stop or abort it, then clear it", job=job))
             if not now.state.is_open:
-                raise WrongState(f"job '{job}' has begun and is over: clear it")
+                raise WrongState(Message("job '{job}' has begun and is over: clear it", job=job))
             return self._book.remove(now)
 
     # ------------------------------------------------------------------ under way
@@ -316,7 +324,9 @@ class JobManager:
                 return now
             run = self._runner.run(job)
             if run is not None and run.asks:
-                raise WrongState(f"job '{job}' waits for an answer: {', '.join(now.choices)}")
+                raise WrongState(
+                    Message("job '{job}' waits for an answer: {choices}", job=job, choices=", ".join(now.choices))
+                )
             self._require_ready(now)
             detail = WAITS if run is None else "goes on"
             changed = self._book.move(now, Trigger.RESUME, comment, detail=detail, choices=(), question=None)
@@ -338,7 +348,13 @@ class JobManager:
         """
         with self._command(job, expects) as now:
             if not now.choices:
-                raise WrongState(f"job '{job}' waits for no answer, or not any more: it is {now.state.name.lower()}")
+                raise WrongState(
+                    Message(
+                        "job '{job}' waits for no answer, or not any more: it is {state}",
+                        job=job,
+                        state=now.state.name.lower(),
+                    )
+                )
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
             run = self._runner.run(job)
@@ -346,12 +362,12 @@ class JobManager:
                 run.answer(choice, by=by, asked=now.question)
                 return now
             if choice == ABORT:
-                return self.abort(job, f"answered by {by}")
+                return self.abort(job, Message("answered by {by}", by=by))
             self._require_ready(now)
             if choice == BY_HAND:
                 self._runner.schedule(self._runner.note_done, job, by)
                 return now
-            return self.resume(job, f"{choice}, says {by}")
+            return self.resume(job, Message("{choice}, says {by}", choice=choice, by=by))
 
     # ------------------------------------------------------------------ the end
 
@@ -367,7 +383,7 @@ class JobManager:
         """Removes a finished job with all its records and returns its last version."""
         with self._command(job, expects) as now:
             if now.state.is_open:
-                raise WrongState(f"job '{job}' is not over: stop, abort or cancel it")
+                raise WrongState(Message("job '{job}' is not over: stop, abort or cancel it", job=job))
             return self._book.remove(now)
 
     def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str, expects: int | None) -> Job:
@@ -380,7 +396,7 @@ class JobManager:
             next_state(now.state, trigger)  # raises if it is not allowed
             run.end_as(trigger, outcome, comment)
             self._runner.schedule(self._runner.command, job, JobRun.stop)
-            return self._book.change(now.but(detail=f"is being {outcome.value}"))
+            return self._book.change(now.but(detail=Message("is being {outcome}", outcome=outcome.value)))
 
     # ------------------------------------------------------------------ what must be so
 
@@ -390,15 +406,25 @@ class JobManager:
         with self._guard.command():
             now = self.job(job)
             if version is not None and now.version != version:
+                seen = {"job": job, "version": now.version, "seen": version}
                 raise StaleVersion(
-                    f"job '{job}' has changed: version {now.version}, not {version} any more; look again, then decide"
+                    Message(
+                        "job '{job}' has changed: version {version}, not {seen} any more; look again, then decide",
+                        **seen,
+                    )
                 )
             yield now
 
     def _require_ready(self, job: Job) -> None:
         halted = self._runtime.cycle.halted
         if halted:
-            raise WrongState(f"job '{job.id}' cannot go on: everything is halted ({halted}); look, reset, then answer")
+            raise WrongState(
+                Message(
+                    "job '{job}' cannot go on: everything is halted ({why}); look, reset, then answer",
+                    job=job.id,
+                    why=halted,
+                )
+            )
 
 
 def _outcome(work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | SkirosError:
@@ -416,8 +442,13 @@ def _check_removed(order: JobOrder, last: Job | None) -> None:
     if last is None:
         return
     if last.order == order:
-        came = f" ({last.outcome})" if last.outcome else ""
+        said = {"job": order.id, "outcome": last.outcome or ""}
         raise Removed(
-            f"job '{order.id}' was removed{came}, and its order is not taken twice: say that it is meant again"
+            Message(
+                "job '{job}' was removed ({outcome}), and its order is not taken twice: say that it is meant again",
+                **said,
+            )
         )
-    raise WrongState(f"there was a job '{order.id}' with another order, and it was removed: take another id")
+    raise WrongState(
+        Message("there was a job '{job}' with another order, and it was removed: take another id", job=order.id)
+    )

@@ -9,6 +9,7 @@ from contextlib import suppress
 
 from skiros_py.errors import DiskFault, UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
+from skiros_py.messages import Message
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.skills.inference.inferring import applying
@@ -80,7 +81,7 @@ RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 CUT_OFF = "unknown: it was cut off, and replanned"
 """Recorded outcome of a cut-off step once the user has reviewed it and resumed the job."""
 
-WAITS = "waits for its turn"
+WAITS = Message("waits for its turn")
 """Detail text of a resumed job while others are running."""
 
 
@@ -103,14 +104,15 @@ def hold_what_was_cut_off(book: JobBook, world: World) -> None:
 
 def hold_what_was_halted(book: JobBook, job: Job, why: str) -> Job:
     """Holds a job until the user answers because the system was halted; everything it moved is at rest."""
-    detail = f"everything was halted ({why}): look, reset, then answer"
+    detail = Message("everything was halted ({why}): look, reset, then answer", why=why)
     return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None, seen=None)
 
 
 def _detail(moving: Sequence[Intent]) -> str:
     steps = ", ".join(f"{intent.skill} ({', '.join(intent.arguments.values())})" for intent in moving)
-    when = f"while {steps} was under way" if steps else "between two steps"
-    return f"the program ended {when}: look, then answer"
+    if steps:
+        return Message("the program ended while {steps} was under way: look, then answer", steps=steps)
+    return Message("the program ended between two steps: look, then answer")
 
 
 def done_by_hand(world: World, skills: Mapping[str, SkillDescription], intent: Intent, by: str) -> None:
@@ -131,7 +133,7 @@ def done_by_hand(world: World, skills: Mapping[str, SkillDescription], intent: I
     skill = skills[intent.skill]
     values = with_defaults(skill, intent.arguments)
     done = (condition.bind(values) for condition in applying(skill.post, values))
-    write_by_hand(world, done, by, f"{intent.skill} was done by hand")
+    write_by_hand(world, done, by, Message("{skill} was done by hand", skill=intent.skill))
 
 
 _BETWEEN_WRITES = 1.0
@@ -196,7 +198,7 @@ class JobRun:
 
     def stop(self) -> None:
         """Stops the job."""
-        self._task.stop(self._comment or f"the job is {self.ending}")
+        self._task.stop(self._comment or Message("the job is {outcome}", outcome=self.ending))
 
     def end_as(self, trigger: Trigger, outcome: Outcome, comment: str) -> None:
         """Sets how the job ends once it is at rest; the last call counts."""
@@ -220,12 +222,14 @@ class JobRun:
         """
         question = self._task.question
         if question is None or question.id != asked:
-            now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
-            raise WrongState(f"job '{self._task.name}' {now}")
+            if question is None:
+                raise WrongState(Message("job '{job}' waits for no answer any more", job=self._task.name))
+            asks = {"job": self._task.name, "text": question.text}
+            raise WrongState(Message("job '{job}' asks something else by now: {text}", **asks))
         try:
             self._runtime.questions.answer(question.id, choice, by=by)
         except UnknownName:  # already answered, but the task has not processed it yet
-            raise WrongState(f"job '{self._task.name}' has its answer already") from None
+            raise WrongState(Message("job '{job}' has its answer already", job=self._task.name)) from None
 
     # ------------------------------------------------------------------ what is written down
 
@@ -234,7 +238,7 @@ class JobRun:
         return self._store.sync()
 
     def _settle(self, run: StepRun, outcome: StepOutcome) -> None:
-        ended = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else "done"
+        ended = Message("failed: {reason}", reason=outcome.reason) if isinstance(outcome, Failure) else "done"
         self._settle_as(run.number, ended)
 
     def _settle_as(self, number: int, ended: str) -> None:
@@ -298,7 +302,11 @@ class JobRun:
         """Publishes its current activity; waiting for the user is a state of the job."""
         question = self._task.question
         if question is not None:
-            asks = {"detail": f"held: {question.text}", "choices": question.options, "question": question.id}
+            asks = {
+                "detail": Message("held: {text}", text=question.text),
+                "choices": question.options,
+                "question": question.id,
+            }
             self._book.move(job, Trigger.HOLD, question.text, plan=plan, **asks)
         elif job.choices and not self.paused:
             self._book.move(job, Trigger.RESUME, "answered", detail=self._status, choices=(), question=None, plan=plan)

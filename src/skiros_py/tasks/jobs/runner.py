@@ -12,6 +12,7 @@ from typing import Any, ParamSpec
 from skiros_py.errors import DiskFault, SkirosError
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime
+from skiros_py.messages import Message, joined
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.context import Mode
 from skiros_py.tasks.handle import TaskHandle
@@ -113,7 +114,7 @@ class JobRunner:
         self._next_try = time.monotonic() + _BETWEEN_TRIES
         if not self.fault:
             _log.error("everything is paused until the disk can be written: %s", fault)
-            self.fault = f"{fault.path.name}: {fault.reason}"
+            self.fault = joined(": ", (fault.path.name, fault.reason))
             self._held |= {job for job in self._runs if self._book.open[job].state is JobState.RUNNING}
             self._announce_held()
 
@@ -140,7 +141,7 @@ class JobRunner:
             if job is not None and job.state is JobState.RUNNING:
                 job = self._book.move(job, Trigger.HOLD, self.fault, detail=self.held(job).detail)
             if job is not None and job.state is JobState.INTERRUPTED and not job.choices:
-                self._book.move(job, Trigger.RESUME, "the disk can be written again", detail="goes on")
+                self._book.move(job, Trigger.RESUME, Message("the disk can be written again"), detail="goes on")
             self._held.remove(id_)
         _log.warning("the disk can be written again: everything goes on")
         self.fault = ""
@@ -151,7 +152,7 @@ class JobRunner:
         """Returns a job as it is shown: a running one is held while the disk cannot be written."""
         if job.id not in self._held or job.state is not JobState.RUNNING:
             return job
-        detail = f"held: {self.fault}; it goes on by itself"
+        detail = Message("held: {fault}; it goes on by itself", fault=self.fault)
         return job.model_copy(update={"state": JobState.INTERRUPTED, "detail": detail})
 
     def _announce_held(self) -> None:
@@ -196,14 +197,14 @@ class JobRunner:
             try:
                 for intent in self._cut_off(id_):
                     done_by_hand(self._runtime.world, self._tasks.skills, intent, by)
-                    self._book.store.settle(id_, intent.number, f"done by hand, says {by}")
+                    self._book.store.settle(id_, intent.number, Message("done by hand, says {by}", by=by))
             except SkirosError as error:
-                detail = f"that it was done by hand cannot be believed: {error}; answer again"
+                detail = Message("that it was done by hand cannot be believed: {error}; answer again", error=error)
                 self._book.change(job.but(detail=detail))
                 return
             materials = moved(self._runtime.world, job.but(seen=before), self._book.store.intents(id_))
             goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
-            self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
+            self._book.move(job, Trigger.RESUME, Message("{choice}, says {by}", choice=BY_HAND, by=by), **goes_on)
             self._back[id_] = None
 
     def _give_places(self) -> None:
@@ -266,7 +267,9 @@ class JobRunner:
             if job.state is JobState.RUNNING:
                 self._begin(self._book.change(job.but(**self._begun(job))))
             elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._book.clock():
-                self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
+                self._book.move(
+                    job, Trigger.FAIL, Message("its deadline has passed"), outcome=Outcome.EXPIRED, detail=""
+                )
             else:
                 self._begin(self._book.move(job, Trigger.DISPATCH, started=self._book.clock(), **self._begun(job)))
 

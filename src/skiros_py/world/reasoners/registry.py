@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
+from skiros_py.messages import Message, joined
 from skiros_py.plugins.loading import attempt, load_plugins
 from skiros_py.plugins.plugin import Plugin, PluginFault
 from skiros_py.world.element import Value
@@ -261,7 +262,7 @@ class Reasoners(Sequence[Reasoner]):
             except SkirosError:  # it has no objection then: one bad plug-in must not block all writes
                 _log.exception("reasoner '%s' could not say whether it objects to a change", reasoner.name)
             else:
-                found += [f"{reasoner.name}: {objection}"] if objection else []
+                found += [joined(": ", (reasoner.name, objection))] if objection else []
         return tuple(found)
 
     def _answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
@@ -296,7 +297,8 @@ def _misfit(view: WorldView, subject: str, relation: str, object_: str) -> str:
         type_ = view.element(name).type
         missed = view.ontology.missed_end(type_, allowed)
         if missed:
-            return f"{relation} is about a {' or '.join(missed)}, and {name} is a {type_}"
+            said = {"relation": relation, "kind": " or ".join(missed), "thing": name, "other": type_}
+            return Message("{relation} is about a {kind}, and {thing} is a {other}", **said)
     return ""
 
 

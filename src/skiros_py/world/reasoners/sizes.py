@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from skiros_py.geometry import Array
+from skiros_py.messages import Message
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Value
 from skiros_py.world.reasoners.boxes import extents
@@ -123,22 +124,39 @@ def _fits(view: WorldView, thing: str, container: str) -> Answer:
     wanted, room = _outline(view, thing), _outline(view, container)
     unknown = [name for name, size in ((thing, wanted), (container, room)) if size is None]
     if wanted is None or room is None:
-        return Answer(False, f"the size of {unknown[0]} is not known")
+        return Answer(False, Message("the size of {things} is not known", things=unknown[0]))
     left = min(have - need for need, have in zip(wanted, room, strict=True))
-    sizes = f"{wanted[0]:.3f} x {wanted[1]:.3f} m into {room[0]:.3f} x {room[1]:.3f} m"
+    sizes = {"width": wanted[0], "length": wanted[1], "wide": room[0], "long": room[1]}
+    into = Message("{width:.3f} x {length:.3f} m into {wide:.3f} x {long:.3f} m", **sizes)
+    said = {"thing": thing, "container": container, "sizes": into}
     if left >= CLEARANCE:
-        return Answer(True, f"{thing} fits into {container}: {sizes}", left)
-    return Answer(False, f"{thing} does not fit into {container}: {sizes}, with {CLEARANCE} m to spare", left)
+        return Answer(True, Message("{thing} fits into {container}: {sizes}", **said), left)
+    return Answer(
+        False,
+        Message(
+            "{thing} does not fit into {container}: {sizes}, with {clearance} m to spare", clearance=CLEARANCE, **said
+        ),
+        left,
+    )
 
 
 def _graspable(view: WorldView, thing: str, gripper: str) -> Answer:
     read_width, read_gap, _ = _COMPARED[GRASPABLE_BY]
     width, gap = read_width(view, thing), read_gap(view, gripper)
     if width is None or gap is None:
-        return Answer(False, f"{thing} has no {GRASP_WIDTH}, or {gripper} no {MAX_GAP}")
-    return Answer(
-        width[0] < gap[0], f"{thing} is {width[0]:.3f} m wide, {gripper} opens {gap[0]:.3f} m", gap[0] - width[0]
-    )
+        return Answer(
+            False,
+            Message(
+                "{thing} has no {property}, or {other} no {need}",
+                thing=thing,
+                property=GRASP_WIDTH,
+                other=gripper,
+                need=MAX_GAP,
+            ),
+        )
+    said = {"thing": thing, "width": width[0], "gripper": gripper, "gap": gap[0]}
+    text = Message("{thing} is {width:.3f} m wide, {gripper} opens {gap:.3f} m", **said)
+    return Answer(width[0] < gap[0], text, gap[0] - width[0])
 
 
 def _outline(view: WorldView, element: str) -> tuple[float, ...] | None:

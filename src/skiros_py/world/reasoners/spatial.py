@@ -15,6 +15,7 @@ import numpy as np
 
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
+from skiros_py.messages import Message, listed
 from skiros_py.world.element import Value
 from skiros_py.world.poses import attach, pose_in, write_pose
 from skiros_py.world.reasoners.box_geometry import (
@@ -78,6 +79,16 @@ class SpatialRelation:
 # ---------------------------------------------------------------- left, right, in front, behind
 
 
+def _says_between(a: str, words: str, b: str, gap: float) -> str:
+    return Message(
+        "{subject} is {relation} {object}, with {gap:.3f} m between them",
+        subject=a,
+        relation=words,
+        object=b,
+        gap=max(gap, 0.0),
+    )
+
+
 def _beside(axis: int, side: float, words: str, further: str) -> SpatialRelation:
     """Wholly beyond one of the object's sides."""
 
@@ -89,8 +100,15 @@ def _beside(axis: int, side: float, words: str, further: str) -> SpatialRelation
 
     def says(a: str, b: str, yes: bool, gap: float) -> str:
         if yes:
-            return f"{a} is {words} {b}, with {max(gap, 0.0):.3f} m between them"
-        return f"{a} is not {words} {b}: it would have to be {max(-gap, ACCURACY):.3f} m further {further}"
+            return _says_between(a, words, b, gap)
+        lacks = {"gap": max(-gap, ACCURACY), "further": Message("further {way}", way=further)}
+        return Message(
+            "{subject} is not {relation} {object}: it would have to be {gap:.3f} m {further}",
+            subject=a,
+            relation=words,
+            object=b,
+            **lacks,
+        )
 
     return SpatialRelation(holds, value, says, (_ANYWHERE, _ANYWHERE, _ANYWHERE))
 
@@ -111,10 +129,16 @@ def _is_above(a: Boxes, b: Boxes) -> Bools:
 def _says_over(word: str, further: str) -> Callable[[str, str, bool, float], str]:
     def says(a: str, b: str, yes: bool, gap: float) -> str:
         if yes:
-            return f"{a} is {word} {b}, with {max(gap, 0.0):.3f} m between them"
+            return _says_between(a, word, b, gap)
+        said = {"subject": a, "relation": word, "object": b}
         if gap >= -ACCURACY:
-            return f"{a} is not {word} {b}: it is beside it"
-        return f"{a} is not {word} {b}: it would have to be {-gap:.3f} m {further}"
+            return Message("{subject} is not {relation} {object}: it is beside it", **said)
+        return Message(
+            "{subject} is not {relation} {object}: it would have to be {gap:.3f} m {further}",
+            gap=-gap,
+            further=further,
+            **said,
+        )
 
     return says
 
@@ -130,10 +154,12 @@ def _rests(a: Boxes, b: Boxes) -> Bools:
 
 def _says_rests(a: str, b: str, yes: bool, height: float) -> str:
     if yes:
-        return f"{a} rests on {b}"
+        return Message("{a} rests on {b}", a=a, b=b)
     if abs(height) <= RESTING:
-        return f"{a} does not rest on {b}: its middle is not over it"
-    return f"{a} does not rest on {b}: it is {abs(height):.3f} m {'above' if height > 0.0 else 'below'} its surface"
+        return Message("{a} does not rest on {b}: its middle is not over it", a=a, b=b)
+    if height > 0.0:
+        return Message("{a} does not rest on {b}: it is {height:.3f} m above its surface", a=a, b=b, height=height)
+    return Message("{a} does not rest on {b}: it is {height:.3f} m below its surface", a=a, b=b, height=-height)
 
 
 def _lowest(boxes: Boxes) -> Array:
@@ -148,8 +174,10 @@ def _highest(boxes: Boxes) -> Array:
 
 
 def _says_near(a: str, b: str, yes: bool, apart: float) -> str:
-    far = "" if yes else f", more than {NEARBY} m"
-    return f"{a} is {'' if yes else 'not '}near {b}: there are {apart:.3f} m between them{far}"
+    said = {"a": a, "b": b, "apart": apart}
+    if yes:
+        return Message("{a} is near {b}: there are {apart:.3f} m between them", **said)
+    return Message("{a} is not near {b}: there are {apart:.3f} m between them, more than {most} m", most=NEARBY, **said)
 
 
 def _shared(a: Boxes, b: Boxes) -> Array:
@@ -163,8 +191,10 @@ def _overlaps(a: Boxes, b: Boxes) -> Bools:
 
 def _says_overlaps(a: str, b: str, yes: bool, deep: float) -> str:
     if yes:
-        return f"{a} and {b} overlap by {deep:.3f} m"
-    return f"{a} and {b} do not overlap{', but touch' if deep > 0.0 else ''}"
+        return Message("{a} and {b} overlap by {depth:.3f} m", a=a, b=b, depth=deep)
+    if deep > 0.0:
+        return Message("{a} and {b} do not overlap, but touch", a=a, b=b)
+    return Message("{a} and {b} do not overlap", a=a, b=b)
 
 
 def _clearance(a: Boxes, b: Boxes) -> Array:
@@ -180,25 +210,29 @@ def _is_inside(a: Boxes, b: Boxes) -> Bools:
 
 def _says_inside(a: str, b: str, yes: bool, clear: float) -> str:
     if yes:
-        return f"{a} is inside {b}, with {max(clear, 0.0):.3f} m to its sides"
+        return Message("{a} is inside {b}, with {clear:.3f} m to its sides", a=a, b=b, clear=max(clear, 0.0))
     if clear >= -ACCURACY:
-        return f"{a} is not inside {b}: it is over it"
-    return f"{a} is not inside {b}: it sticks out by {-clear:.3f} m"
+        return Message("{a} is not inside {b}: it is over it", a=a, b=b)
+    return Message("{a} is not inside {b}: it sticks out by {clear:.3f} m", a=a, b=b, clear=-clear)
 
 
 SPATIAL_RELATIONS: Mapping[str, SpatialRelation] = MappingProxyType(
     {
-        IN_FRONT_OF: _beside(0, 1.0, "in front of", "ahead"),
-        BEHIND: _beside(0, -1.0, "behind", "back"),
-        LEFT_OF: _beside(1, 1.0, "left of", "to the left"),
-        RIGHT_OF: _beside(1, -1.0, "right of", "to the right"),
+        IN_FRONT_OF: _beside(0, 1.0, Message("in front of"), Message("ahead")),
+        BEHIND: _beside(0, -1.0, Message("behind"), Message("back")),
+        LEFT_OF: _beside(1, 1.0, Message("left of"), Message("to the left")),
+        RIGHT_OF: _beside(1, -1.0, Message("right of"), Message("to the right")),
         ABOVE: SpatialRelation(
-            _is_above, _height_over, _says_over("above", "higher"), (0.01, 0.01, _ANYWHERE), needs_map=True
+            _is_above,
+            _height_over,
+            _says_over(Message("above"), Message("higher")),
+            (0.01, 0.01, _ANYWHERE),
+            needs_map=True,
         ),
         BELOW: SpatialRelation(
             lambda a, b: _is_above(b, a),
             lambda a, b: _height_over(b, a),
-            _says_over("below", "lower"),
+            _says_over(Message("below"), Message("lower")),
             (0.01, 0.01, _ANYWHERE),
             needs_map=True,
         ),
@@ -249,7 +283,7 @@ class SpatialReasoner(Reasoner):
         if unknown:
             return Answer(False, unknown)
         if subject == object_:
-            return Answer(False, f"{subject} is one thing, and this is about two")
+            return Answer(False, Message("{thing} is one thing, and this is about two", thing=subject))
         one, other = boxes.take(np.array([0])), boxes.take(np.array([1]))
         holds, value = bool(meant.holds(one, other)[0]), float(meant.value(one, other)[0])
         return Answer(holds, meant.says(subject, object_, holds, value), value)
@@ -335,8 +369,8 @@ def _unknown(meant: SpatialRelation, boxes: Boxes, names: tuple[str, str]) -> st
     """Returns which data of two elements a relation lacks, or None."""
     adrift = [name for name, root in zip(names, boxes.roots, strict=True) if root != MAP]
     if adrift and (meant.needs_map or boxes.roots[0] != boxes.roots[1]):
-        return f"the pose of {' and that of '.join(adrift)} in the map is not known"
+        return Message("the pose of {things} in the map is not known", things=listed(adrift))
     sizeless = [name for name, sized in zip(names, boxes.sized, strict=True) if not sized]
     if sizeless and meant.needs_size:
-        return f"the size of {' and that of '.join(sizeless)} is not known"
+        return Message("the size of {things} is not known", things=listed(sizeless))
     return None

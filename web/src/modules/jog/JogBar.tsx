@@ -8,6 +8,7 @@ import classes from "../modules.module.css";
 import type { Device } from "../../api/cell";
 import { HOME } from "./panels";
 import { jogger, jog } from "./robotJogger";
+import { said } from "../../i18n/sentences";
 
 /** Stop, home and the result of the last step: always visible while a robot is jogged. */
 export function JogBar({ devices, disabled }: { devices: readonly Device[]; disabled: boolean }) {
@@ -53,7 +54,7 @@ function Verdict() {
       {result && !moving && (
         <Status mood={result.succeeded ? "good" : "bad"} text={t(result.succeeded ? "jog.done" : "jog.notDone")} />
       )}
-      {result && <Text size="xs">{result.text}</Text>}
+      {result && <Text size="xs">{said(result.text)}</Text>}
     </Group>
   );
 }

@@ -3,6 +3,7 @@ import { useStation } from "../../live/station";
 import type { RobotInfo as Robot } from "../../api/cell";
 import { hindranceOf } from "./hindrance";
 import { jogger } from "./robotJogger";
+import { said } from "../../i18n/sentences";
 
 /** Returns the text that tells why a robot cannot be jogged; empty if it can. */
 export function useHindrance(robot: Robot, alone: boolean): string {
@@ -16,7 +17,7 @@ export function useHindrance(robot: Robot, alone: boolean): string {
       case "unknown":
         return t("jog.hindrance.unknown");
       case "halted":
-        return t("jog.hindrance.halted", { why: hindrance.text });
+        return t("jog.hindrance.halted", { why: said(hindrance.text) });
       case "atWork":
       case "paused":
         return t(`jog.hindrance.${hindrance.why}`, { modules: hindrance.modules.join(", ") });

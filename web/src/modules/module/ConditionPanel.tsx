@@ -134,7 +134,7 @@ function Row({ row, inputs }: { row: Schema<"PanelRow">; inputs: Inputs }) {
         </Text>
         {row.why.map((line) => (
           <Text key={line} size="xs" c="dimmed">
-            <ServerText text={line.trim()} />
+            <ServerText text={line} />
           </Text>
         ))}
       </div>

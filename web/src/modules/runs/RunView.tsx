@@ -11,6 +11,7 @@ import { changeLines, shown } from "./changes";
 import { RunControls } from "./RunControls";
 import { isOver, MOODS, successRate } from "./states";
 import { nameNow } from "../../widgets/names";
+import { said } from "../../i18n/sentences";
 
 /** One run: progress, reports, results of its rounds, and changes of the world. */
 export function RunView({ id }: { id: string }) {
@@ -47,7 +48,7 @@ export function RunHeading({ run }: { run: Run }) {
       </Group>
       {last && isOver(run) && (
         <Text size="sm" role="status">
-          {last.success ? last.text : `${last.text} (${last.code})`}
+          {last.success ? said(last.text) : `${said(last.text)} (${last.code})`}
         </Text>
       )}
     </div>
@@ -96,7 +97,7 @@ function Rounds({ run }: { run: Run }) {
                   <RoundStatus success={round.success} cut={run.cut_off && index === run.rounds.length - 1} />
                 </Table.Td>
                 <Table.Td>{`${(round.end - round.start).toFixed(1)} s`}</Table.Td>
-                <Table.Td>{round.text}</Table.Td>
+                <Table.Td>{said(round.text)}</Table.Td>
               </Table.Tr>
             ))}
           </Table.Tbody>
@@ -137,7 +138,7 @@ function Reports({ run }: { run: Run }) {
               <Table.Td pl={one.caller ? "md" : undefined}>{one.module}</Table.Td>
               <Table.Td>{moduleStatus(task, one.status)}</Table.Td>
               <Table.Td>{one.code}</Table.Td>
-              <Table.Td>{one.text}</Table.Td>
+              <Table.Td>{said(one.text)}</Table.Td>
             </Table.Tr>
           ))}
         </Table.Tbody>
