@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-
-from collections.abc import Sequence
 
 from skiros_py.errors import StaleVersion, WorldError
 from skiros_py.messages import Message
@@ -28,7 +26,11 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to undo, or later changes depend on it; the text names them.
     """
     last = world.log.undoable()
-    _require(last, expects, partial(Message, "change {seen} is not the one that can be undone now, which is {now}: look again"))
+    _require(
+        last,
+        expects,
+        partial(Message, "change {seen} is not the one that can be undone now, which is {now}: look again"),
+    )
     if last is None:
         raise WorldError(
             Message(
@@ -53,7 +55,11 @@ def redo(world: World, author: str, *, expects: int | None = None, holder: str =
         WorldError: There is nothing to redo, or later changes depend on it; the text names them.
     """
     last = world.log.redoable()
-    _require(last, expects, partial(Message, "undo {seen} is not the one that can be reverted now, which is {now}: look again"))
+    _require(
+        last,
+        expects,
+        partial(Message, "undo {seen} is not the one that can be reverted now, which is {now}: look again"),
+    )
     if last is None:
         raise WorldError(Message("there is nothing to redo: nothing was undone since the last edit by a person"))
     if any(isinstance(edit, SourceEdit) for edit in last.edits):
@@ -63,7 +69,7 @@ def redo(world: World, author: str, *, expects: int | None = None, holder: str =
 
 def _require(last: Change | None, expects: int | None, refusal: Callable[..., Message]) -> None:
     if expects is not None and (last is None or last.number != expects):
-        now = Message("none")
+        now = Message("no change")
         if last is not None:
             known = {"number": last.number, "author": last.author, "reason": last.reason}
             now = Message("change {number} ({author}: {reason})", **known)

@@ -749,7 +749,23 @@ export interface paths {
         };
         get: operations["list_learned"];
         put?: never;
-        post?: never;
+        post: operations["teach_concept"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/learned/import": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["import_concepts"];
         delete?: never;
         options?: never;
         head?: never;
@@ -769,7 +785,7 @@ export interface paths {
         delete: operations["forget_learned"];
         options?: never;
         head?: never;
-        patch?: never;
+        patch: operations["change_learned"];
         trace?: never;
     };
     "/api/v1/learned.ttl": {
@@ -2004,6 +2020,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/data/findings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["check_data"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/data/backups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["back_up_data"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/healthz": {
         parameters: {
             query?: never;
@@ -2185,6 +2233,14 @@ export interface components {
             /** @default  */
             previous: string;
         };
+        Backup: {
+            folder: string;
+            files: string[];
+            bytes: number;
+        };
+        BackupOrder: {
+            name: string;
+        };
         Block: {
             /** @enum {string} */
             kind: "box" | "cylinder";
@@ -2192,8 +2248,9 @@ export interface components {
             pose: components["schemas"]["PoseInfo"];
         };
         Bodies: {
-            time: number;
             items: components["schemas"]["SimulatedBody"][];
+            next: string | null;
+            time: number;
         };
         BodyEdge: {
             source: string;
@@ -2332,9 +2389,6 @@ export interface components {
             abstract: boolean;
             skills: string[];
         };
-        ConditionWords: {
-            conditions: components["schemas"]["ConditionWord"][];
-        };
         ConstructAnswer: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -2356,6 +2410,11 @@ export interface components {
             learned: number;
             robots: components["schemas"]["SceneRobot"][];
             goals: string[];
+        };
+        DataFinding: {
+            file: string;
+            fault: string;
+            advice: string;
         };
         DecimalLiteral: {
             decimal: string;
@@ -2448,15 +2507,9 @@ export interface components {
             };
             palette: components["schemas"]["PaletteNode"][];
         };
-        DocumentKinds: {
-            kinds: components["schemas"]["DocumentKindInfo"][];
-        };
         DocumentProblem: {
             place: string;
             text: string;
-        };
-        Documents: {
-            documents: components["schemas"]["DocumentInfo"][];
         };
         ElementDetails: {
             id: string;
@@ -2521,7 +2574,7 @@ export interface components {
         EventPage: {
             items: components["schemas"]["EventInfo"][];
             next: string;
-            reset?: components["schemas"]["ResetInfo"] | null;
+            reset: components["schemas"]["ResetInfo"] | null;
         };
         Exchange: {
             condition: string;
@@ -2588,18 +2641,6 @@ export interface components {
             when: components["schemas"]["SkillCondition"][];
             nodes: components["schemas"]["BodyNode"][];
             edges: components["schemas"]["BodyEdge"][];
-        };
-        Items_Lock_: {
-            items: components["schemas"]["Lock"][];
-        };
-        Items_ModuleRunInfo_: {
-            items: components["schemas"]["ModuleRunInfo"][];
-        };
-        Items_Preview_: {
-            items: components["schemas"]["Preview"][];
-        };
-        Items_TaskInfo_: {
-            items: components["schemas"]["TaskInfo"][];
         };
         Job: {
             id: string;
@@ -2683,9 +2724,6 @@ export interface components {
              */
             policy: components["schemas"]["JobPolicy"];
         };
-        JobPlan: {
-            steps: components["schemas"]["PlannedStep"][];
-        };
         JobPolicy: {
             /** @default true */
             rest: boolean;
@@ -2739,7 +2777,7 @@ export interface components {
             ended: string | null;
         };
         JobTrace: {
-            entries: {
+            items: {
                 [key: string]: unknown;
             }[];
             next: string | null;
@@ -2750,9 +2788,6 @@ export interface components {
             trigger: string;
             state: components["schemas"]["JobState"];
             comment: string;
-        };
-        JobTransitions: {
-            transitions: components["schemas"]["JobTransition"][];
             readonly texts: {
                 [key: string]: components["schemas"]["SentenceParts"];
             };
@@ -3046,12 +3081,40 @@ export interface components {
             items: components["schemas"]["AlarmInfo"][];
             next: string | null;
         };
+        Page_ApiKey_: {
+            items: components["schemas"]["ApiKey"][];
+            next: string | null;
+        };
         Page_AuditRecord_: {
             items: components["schemas"]["AuditRecord"][];
             next: string | null;
         };
+        Page_CellSignal_: {
+            items: components["schemas"]["CellSignal"][];
+            next: string | null;
+        };
+        Page_ConditionWord_: {
+            items: components["schemas"]["ConditionWord"][];
+            next: string | null;
+        };
+        Page_DataFinding_: {
+            items: components["schemas"]["DataFinding"][];
+            next: string | null;
+        };
         Page_Delivery_: {
             items: components["schemas"]["Delivery"][];
+            next: string | null;
+        };
+        Page_DeviceInfo_: {
+            items: components["schemas"]["DeviceInfo"][];
+            next: string | null;
+        };
+        Page_DocumentInfo_: {
+            items: components["schemas"]["DocumentInfo"][];
+            next: string | null;
+        };
+        Page_DocumentKindInfo_: {
+            items: components["schemas"]["DocumentKindInfo"][];
             next: string | null;
         };
         Page_ElementSummary_: {
@@ -3062,12 +3125,44 @@ export interface components {
             items: components["schemas"]["JobResponse"][];
             next: string | null;
         };
+        Page_JobTransition_: {
+            items: components["schemas"]["JobTransition"][];
+            next: string | null;
+        };
         Page_Job_: {
             items: components["schemas"]["Job"][];
             next: string | null;
         };
         Page_Learned_: {
             items: components["schemas"]["Learned"][];
+            next: string | null;
+        };
+        Page_Lock_: {
+            items: components["schemas"]["Lock"][];
+            next: string | null;
+        };
+        Page_ManagerInfo_: {
+            items: components["schemas"]["ManagerInfo"][];
+            next: string | null;
+        };
+        Page_ModuleRunInfo_: {
+            items: components["schemas"]["ModuleRunInfo"][];
+            next: string | null;
+        };
+        Page_ModuleSummary_: {
+            items: components["schemas"]["ModuleSummary"][];
+            next: string | null;
+        };
+        Page_PlannedStep_: {
+            items: components["schemas"]["PlannedStep"][];
+            next: string | null;
+        };
+        Page_PluginFaultInfo_: {
+            items: components["schemas"]["PluginFaultInfo"][];
+            next: string | null;
+        };
+        Page_Preview_: {
+            items: components["schemas"]["Preview"][];
             next: string | null;
         };
         Page_PropertyInfo_: {
@@ -3082,8 +3177,24 @@ export interface components {
             items: components["schemas"]["Relation"][];
             next: string | null;
         };
+        Page_RobotInfo_: {
+            items: components["schemas"]["RobotInfo"][];
+            next: string | null;
+        };
         Page_SceneEntry_: {
             items: components["schemas"]["SceneEntry"][];
+            next: string | null;
+        };
+        Page_SkillInfo_: {
+            items: components["schemas"]["SkillInfo"][];
+            next: string | null;
+        };
+        Page_TaskInfo_: {
+            items: components["schemas"]["TaskInfo"][];
+            next: string | null;
+        };
+        Page_Webhook_: {
+            items: components["schemas"]["Webhook"][];
             next: string | null;
         };
         PaletteNode: {
@@ -3182,6 +3293,7 @@ export interface components {
         };
         Plugins: {
             items: components["schemas"]["PluginInfo"][];
+            next: string | null;
             others: components["schemas"]["PluginFaultInfo"][];
         };
         Pose: {
@@ -3416,14 +3528,14 @@ export interface components {
             goals: string[];
         };
         SceneDifference: {
+            items: {
+                [key: string]: unknown;
+            }[];
+            next: string | null;
             name: string;
             version: number;
             total: number;
-            edits: {
-                [key: string]: unknown;
-            }[];
             lines: string[];
-            next?: string | null;
         };
         SceneEntry: {
             name: string;
@@ -3645,9 +3757,10 @@ export interface components {
             text: string;
         };
         TaskTrace: {
-            entries: {
+            items: {
                 [key: string]: unknown;
             }[];
+            next: string | null;
             forgotten: number;
         };
         TemplateParameter: {
@@ -4379,7 +4492,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobPlan"];
+                    "application/json": components["schemas"]["Page_PlannedStep_"];
                 };
             };
             default: {
@@ -4469,7 +4582,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JobTransitions"];
+                    "application/json": components["schemas"]["Page_JobTransition_"];
                 };
             };
             default: {
@@ -4743,7 +4856,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ConditionWords"];
+                    "application/json": components["schemas"]["Page_ConditionWord_"];
                 };
             };
             default: {
@@ -4770,7 +4883,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Preview_"];
+                    "application/json": components["schemas"]["Page_Preview_"];
                 };
             };
             default: {
@@ -5655,6 +5768,75 @@ export interface operations {
             };
         };
     };
+    teach_concept: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewElement"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    import_concepts: {
+        parameters: {
+            query?: {
+                replace?: boolean;
+                reason?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "text/turtle": string;
+                "application/rdf+xml": string;
+                "application/owl+xml": string;
+                "application/n-triples": string;
+                "application/ld+json": string;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     forget_learned: {
         parameters: {
             query?: {
@@ -5669,6 +5851,41 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    change_learned: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                element: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ElementPatch"];
+            };
+        };
         responses: {
             200: {
                 headers: {
@@ -5729,7 +5946,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -5760,7 +5977,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -5790,7 +6007,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_Lock_"];
+                    "application/json": components["schemas"]["Page_Lock_"];
                 };
             };
             default: {
@@ -5969,6 +6186,10 @@ export interface operations {
                     name: string;
                 };
                 "text/turtle": string;
+                "application/rdf+xml": string;
+                "application/owl+xml": string;
+                "application/n-triples": string;
+                "application/ld+json": string;
             };
         };
         responses: {
@@ -6270,7 +6491,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ManagerInfo"][];
+                    "application/json": components["schemas"]["Page_ManagerInfo_"];
                 };
             };
             default: {
@@ -6355,7 +6576,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ModuleSummary"][];
+                    "application/json": components["schemas"]["Page_ModuleSummary_"];
                 };
             };
             default: {
@@ -6511,7 +6732,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_ModuleRunInfo_"];
+                    "application/json": components["schemas"]["Page_ModuleRunInfo_"];
                 };
             };
             default: {
@@ -6630,7 +6851,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["SkillInfo"][];
+                    "application/json": components["schemas"]["Page_SkillInfo_"];
                 };
             };
             default: {
@@ -6686,7 +6907,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["DocumentKinds"];
+                    "application/json": components["schemas"]["Page_DocumentKindInfo_"];
                 };
             };
             default: {
@@ -6715,7 +6936,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Documents"];
+                    "application/json": components["schemas"]["Page_DocumentInfo_"];
                 };
             };
             default: {
@@ -6852,7 +7073,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Documents"];
+                    "application/json": components["schemas"]["Page_DocumentInfo_"];
                 };
             };
             default: {
@@ -6961,7 +7182,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Items_TaskInfo_"];
+                    "application/json": components["schemas"]["Page_TaskInfo_"];
                 };
             };
             default: {
@@ -7136,7 +7357,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["PluginFaultInfo"][];
+                    "application/json": components["schemas"]["Page_PluginFaultInfo_"];
                 };
             };
             default: {
@@ -7163,7 +7384,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["RobotInfo"][];
+                    "application/json": components["schemas"]["Page_RobotInfo_"];
                 };
             };
             default: {
@@ -7313,7 +7534,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["DeviceInfo"][];
+                    "application/json": components["schemas"]["Page_DeviceInfo_"];
                 };
             };
             default: {
@@ -7580,7 +7801,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["CellSignal"][];
+                    "application/json": components["schemas"]["Page_CellSignal_"];
                 };
             };
             default: {
@@ -8043,7 +8264,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Webhook"][];
+                    "application/json": components["schemas"]["Page_Webhook_"];
                 };
             };
             default: {
@@ -8369,7 +8590,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ApiKey"][];
+                    "application/json": components["schemas"]["Page_ApiKey_"];
                 };
             };
             default: {
@@ -8543,6 +8764,64 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    check_data: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_DataFinding_"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    back_up_data: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BackupOrder"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Backup"];
+                };
             };
             default: {
                 headers: {
