@@ -160,8 +160,8 @@ class PrimitiveRun(ModuleRun):
     def _checked(self, outcome: Outcome) -> Outcome:
         """Returns an outcome; one with values other than the primitive declares is a mistake in its code."""
         if isinstance(outcome, Failure):
-            reason, code = outcome.reason, outcome.code
-            if type(reason) is str and type(code) is int:
+            reason: object = outcome.reason
+            if isinstance(reason, str) and type(outcome.code) is int:
                 return outcome
             return self._broke(TypeError(f"it returned {outcome!r}: the reason is a text, the code a whole number"))
         given: object = outcome.values
