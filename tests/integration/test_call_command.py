@@ -48,7 +48,7 @@ def test_text_results_are_printed_verbatim_and_arguments_are_read_from_files(ser
 
     file = tmp_path / "scene.ttl"
     file.write_text(turtle)
-    assert json.loads(call(served, "scenes.upload", f"turtle=@{file}").stdout)["name"] == ""
+    assert json.loads(call(served, "scenes.upload", f"text=@{file}").stdout)["name"] == ""
 
 
 def test_call_without_an_operation_lists_all_operations() -> None:
@@ -66,7 +66,7 @@ def test_call_without_an_operation_lists_all_operations() -> None:
         (("scenes.load",), UsageError, "needed: name=… [version=…]"),
         (("scenes.load", "name=kitting", "version=new"), UsageError, "version: must be a whole number"),
         (("signals.read", "names=gripper_1.gap"), UsageError, "names: must be a list; what is not text is"),
-        (("scenes.upload", "turtle=@missing.ttl"), FileError, "there is no such file"),
+        (("scenes.upload", "text=@missing.ttl"), FileError, "there is no such file"),
     ],
 )
 def test_a_wrong_operation_or_argument_is_named(arguments: tuple[str, ...], error: type[Exception], words: str) -> None:

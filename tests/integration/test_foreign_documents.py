@@ -392,7 +392,7 @@ def test_a_document_that_calls_a_missing_module_is_refused_with_the_place_of_the
     assert said in faults[0].text
     with pytest.raises(UsageError, match="tree:wrong: "):
         cell.write("tree", "wrong", tree)
-    assert cell.documents.all("tree").documents == ()
+    assert cell.documents.all("tree").items == ()
 
 
 @pytest.mark.parametrize("between", ["sequence", "fallback"])
@@ -402,7 +402,7 @@ def test_documents_that_call_each_other_in_a_circle_are_refused_whatever_lies_be
 
     with pytest.raises(UsageError, match="1: tree:there leads to calls in a circle, which never end"):
         cell.write("tree", "back", back)
-    assert [document.id for document in cell.documents.all("tree").documents] == ["there"]
+    assert [document.id for document in cell.documents.all("tree").items] == ["there"]
 
 
 def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) -> None:
@@ -415,7 +415,7 @@ def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) 
     assert cell.noted() == ["away", "far"]
     revisions = [e.implementation for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
     assert revisions == [f"revision {first.revision}", f"revision {second.revision}"]
-    assert [one.data["otherwise"] for one in cell.documents.revisions("tree", "watch").documents] == [
+    assert [one.data["otherwise"] for one in cell.documents.revisions("tree", "watch").items] == [
         note("away"),
         note("far"),
     ]
@@ -554,7 +554,7 @@ def test_faults_of_a_plug_in_document_are_found_in_the_lines_of_its_text(cell: C
 
 
 def test_the_palette_lists_plug_in_nodes_with_their_fields(cell: Cell) -> None:
-    kinds = {kind.kind: kind for kind in cell.documents.kinds().kinds}
+    kinds = {kind.kind: kind for kind in cell.documents.kinds().items}
     entries = {entry.kind: entry for entry in kinds["tree"].palette}
 
     assert set(entries["react"].fields) == {"child", "otherwise", "place"}
@@ -603,7 +603,7 @@ def test_a_stored_document_that_is_no_longer_readable_is_set_aside_and_can_be_re
     with pytest.raises(UsageError, match=reason):
         again.put("moody", "sadder", note("sad"))
     again.remove("moody", "sad")
-    assert (again.all("moody").documents, cell.alarms.active) == ((), ())
+    assert (again.all("moody").items, cell.alarms.active) == ((), ())
 
 
 @pytest.mark.parametrize(

@@ -200,11 +200,15 @@ def test_a_bench_needs_no_more_than_the_skill(reading: Any) -> None:
 def test_two_distributions_with_skills_of_one_class_name_are_both_offered_with_their_own_bodies(
     reading: Any, site: Any
 ) -> None:
-    site.install("sk-other", {"skills": {"read": "sk_other:ReadBall"}}, {"sk_other.py": SKILL.replace("0.5", "0.7")})
+    site.install(
+        "sk-reading-too",
+        {"skills": {"read": "sk_reading_too:ReadBall"}},
+        {"sk_reading_too.py": SKILL.replace("0.5", "0.7")},
+    )
 
     catalogue = load_catalogue()
 
-    for name in ("sk-reading", "sk-other"):
+    for name in ("sk-reading", "sk-reading-too"):
         (do,) = walk(catalogue.skills[f"{name}.read"].body)
         assert isinstance(do, Do)
         assert do.module == f"{name}.read_ball_body"

@@ -90,6 +90,7 @@ _OPEN = frozenset(
         "devices",
         "errors",
         "geometry",
+        "messages",
         "ports",
         "skills",
         "testing",
@@ -116,7 +117,7 @@ def private_import(source: Source, known: Known) -> Iterator[Problem]:  # noqa: 
 
 
 _DOORS = (
-    "skiros_py.authoring, .skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors"
+    "skiros_py.authoring, .skills, .behaviours, .devices, .ports, .world, .geometry, .messages, .recording, .errors"
     " (and .testing in tests)"
 )
 
