@@ -2,6 +2,7 @@
 
 import i18n, { type Language } from ".";
 import type { components } from "../api/schema";
+import { onEvent } from "../live/events";
 import german from "./de/server.json";
 
 type Parts = components["schemas"]["SentenceParts"];
@@ -38,6 +39,9 @@ export function learn(data: unknown): void {
   if ("data" in data) learn(data.data);
   if ("job" in data) learn(data.job);
 }
+
+// Registered here: the shared worker reads events, too, and has no language.
+onEvent((event) => learn(event.data));
 
 /** A sentence in the language of the pages; as it is, if it cannot be translated. */
 export function said(text: string): string {

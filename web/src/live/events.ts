@@ -1,7 +1,6 @@
 /** The server's events, passed on to listeners. */
 
 import type { Schema } from "../api/client";
-import { learn } from "../i18n/sentences";
 
 export type EventInfo = Schema<"EventInfo">;
 
@@ -32,7 +31,6 @@ export function onReset(listener: () => void): () => void {
 }
 
 export function emitEvent(event: EventInfo): void {
-  learn(event.data);
   for (const listener of listeners) listener(event);
 }
 
