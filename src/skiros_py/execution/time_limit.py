@@ -62,5 +62,6 @@ class TimeLimit:
                 return Message("took longer than {seconds:g} s", seconds=self._limit)
             both = {"seconds": self._limit, "usual": self._duration}
             return Message("took longer than {seconds:g} s, {usual:g} s are usual", **both)
-        stalled = Message("made no progress for {seconds:g} s", seconds=self._longest_stall)
-        return stalled if self._idle > self._longest_stall else ""
+        if self._idle > self._longest_stall:
+            return Message("made no progress for {seconds:g} s", seconds=self._longest_stall)
+        return ""
