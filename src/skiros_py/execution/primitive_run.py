@@ -85,8 +85,10 @@ class PrimitiveRun(ModuleRun):
         self.tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
         cls = loaded.cls
         self._limit = TimeLimit(self._outer.context, cls.duration, inf if cls.watches else cls.limit)
-        while True:
-            outcome = self._tick() or self._overdue()
+        for cycle in count(1):
+            outcome = self._tick()
+            if outcome is None and not cycle % _CYCLES:
+                outcome = self._overdue()
             if outcome is not None:
                 break
             if self._calls.unfinished or self._recovering is not None:
@@ -296,4 +298,6 @@ def _where_it_waits(code: object) -> str:
     return Message(": it waits in {code}, {file}:{line}", code=at.co_qualname, file=at.co_filename, line=frame.f_lineno)
 
 
+_CYCLES = 32
+"""Cycles between two looks at the time of a run: a look costs as much as a cycle of a run that waits."""
 _ENDED = object()
