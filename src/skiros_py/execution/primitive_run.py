@@ -85,9 +85,10 @@ class PrimitiveRun(ModuleRun):
         self.tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
         cls = loaded.cls
         self._limit = TimeLimit(self._outer.context, cls.duration, inf if cls.watches else cls.limit)
-        for cycle in count(1):
+        cycles = count(1)
+        while True:
             outcome = self._tick()
-            if outcome is None and not cycle % _CYCLES:
+            if outcome is None and not next(cycles) % _CYCLES:
                 outcome = self._overdue()
             if outcome is not None:
                 break
