@@ -13,7 +13,7 @@ from pathlib import Path
 
 import httpx2
 import pytest
-from support.programs import REQUIRED
+from support.programs import needs
 from support.server_process import ServerProcess
 
 from skiros_py.station.data_files import check_data
@@ -48,8 +48,6 @@ def device(small_disk: Path, tmp_path: Path) -> Iterator[Path]:
 
     It becomes read-only, as any does at an error, when the folder "trap" is read: its entry has the length 0.
     """
-    if not MKFS and not REQUIRED:
-        pytest.skip("mkfs.ext2 is not installed")
     image, content = small_disk / "image", tmp_path / "content"
     (content / "trap").mkdir(parents=True)
     (content / "trap" / "damaged-entry").touch()
@@ -157,6 +155,7 @@ def test_a_server_killed_on_a_full_disk_holds_the_job_at_its_next_start(small_di
         assert job["choices"]
 
 
+@needs(MKFS, "mkfs.ext2 is not installed")
 def test_a_disk_that_becomes_read_only_holds_the_job_and_loses_nothing(device: Path, small_disk: Path) -> None:
     """The kernel keeps it read-only until it is mounted again, for which the server has to end."""
     data = device / "cell"
@@ -178,6 +177,7 @@ def test_a_disk_that_becomes_read_only_holds_the_job_and_loses_nothing(device: P
         assert client.http.get("/jobs/other").status_code == 404
 
 
+@needs(MKFS, "mkfs.ext2 is not installed")
 def test_a_disk_that_fails_once_loses_nothing(device: Path, small_disk: Path) -> None:
     """The device fails to write (EIO or ENOSPC): the disk below it has no room for its blocks."""
     data = device / "cell"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 import re
 import secrets
@@ -11,256 +10,23 @@ import time
 from collections.abc import Iterable
 from contextlib import ExitStack
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from skiros_py.api.server import is_address
-from skiros_py.files import RDF_TYPES
+from skiros_py.server.access.bodies import read_body, replayed
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.limiters import Rates, Slots, network_of
+from skiros_py.server.access.origins import SAFE, OriginPolicy
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.monitoring import request_id
 from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
 from skiros_py.server.services import Services
-from skiros_py.server.settings import ServerSettings
 from skiros_py.station.jobs.intake import MOST_WAITING
-
-_DEEPEST = 64
-"""Maximum nesting depth of lists and objects."""
-_LARGEST = 2**63
-"""Integers must be smaller: databases and other languages do not support larger ones."""
-_FORMS = frozenset({"", "text/plain", "application/x-www-form-urlencoded", "multipart/form-data"})
-"""Content types that any web page may have a browser send to any server without a preflight request."""
-_OUTSIDE_TEXTS = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"?|[^\[\]{}"]+', re.DOTALL)
-_SUSPICIOUS = re.compile(rb"NaN|Infinity|\xed[\xa0-\xbf]|\\u(?:0000|[dD][89a-fA-F])|[eE]\+?\d{3}|\d{19}")
-_NOT_TEXT = re.compile("[\0\ud800-\udfff]")
-
-
-async def read_body(headers: Headers, receive: Receive, longest: int, seconds: float) -> bytes:
-    """Reads and checks the body of a request that can change something.
-
-    Args:
-        headers: The request's headers.
-        receive: Yields the body in chunks.
-        longest: Maximum length [bytes].
-        seconds: Maximum time until it has arrived [s].
-
-    Raises:
-        Problem: It is too long (413), too slow (408), of a content type of forms (415), or invalid JSON (400).
-    """
-    announced = headers.get("content-length", "0")
-    if not announced.isdecimal() or len(announced) > 18 or int(announced) > longest:
-        raise _too_long(longest)
-    try:
-        async with asyncio.timeout(seconds):
-            body = await _whole(receive, longest)
-    except TimeoutError:
-        raise Problem(408, "BodyTooSlow", f"the body did not arrive within {seconds:g} s") from None
-    if body:
-        _check(headers.get("content-type", ""), body)
-    return body
-
-
-def replayed(body: bytes, receive: Receive) -> Receive:
-    """Returns a receive function that yields a body already read, followed by the next messages."""
-    given = False
-
-    async def again() -> Message:
-        nonlocal given
-        if given:
-            return await receive()
-        given = True
-        return {"type": "http.request", "body": body, "more_body": False}
-
-    return again
-
-
-async def _whole(receive: Receive, longest: int) -> bytes:
-    body = bytearray()
-    while True:
-        message = await receive()
-        if message["type"] == "http.disconnect":
-            raise Problem(400, "InvalidRequest", "the connection was lost before the body was complete")
-        body += message.get("body", b"")
-        if len(body) > longest:
-            raise _too_long(longest)
-        if not message.get("more_body", False):
-            return bytes(body)
-
-
-def _too_long(longest: int) -> Problem:
-    return Problem(413, "BodyTooLong", f"a body may have {longest} bytes at most", headers={"Connection": "close"})
-
-
-def _check(content_type: str, body: bytes) -> None:
-    kind = content_type.partition(";")[0].strip().lower()
-    if kind in _FORMS:
-        triples = ", ".join(dict.fromkeys(RDF_TYPES.values()))
-        said = f"send JSON as application/json, or triples, where they are taken, as {triples}; not {kind or 'nothing'}"
-        raise Problem(415, "UnsupportedMediaType", said)
-    if kind == "application/json" or kind.endswith("+json"):
-        check_json(body)
-
-
-def check_json(body: bytes) -> None:
-    """Checks that a JSON text contains nothing that the platform cannot handle.
-
-    These are excessive nesting, numbers that are not finite, and characters that cannot be encoded (NUL, unpaired
-    surrogates). Whether the text is JSON at all is left to its parser.
-
-    Raises:
-        Problem: It contains such a thing.
-    """
-    if b"\0" in body:
-        raise _bad("JSON is written in UTF-8, and holds no NUL")
-    if body.count(b"[") + body.count(b"{") > _DEEPEST and _too_deep(body):
-        raise _bad(f"lists and objects are nested deeper than {_DEEPEST}, or not closed")
-    if _SUSPICIOUS.search(body):
-        try:
-            value = json.loads(body, parse_constant=_constant, parse_float=_float, parse_int=_int)
-        except ValueError:
-            return  # not JSON: the parser reports that, with line and column
-        _check_texts(value)
-
-
-def _too_deep(body: bytes) -> bool:
-    """Returns whether a text is nested too deep or has unclosed brackets; runs in C, not bracket by bracket."""
-    brackets = _OUTSIDE_TEXTS.sub(b"", body).translate(_SAME_BRACKETS)
-    for _ in range(_DEEPEST):
-        shorter = brackets.replace(b"[]", b"")  # the innermost ones
-        if len(shorter) == len(brackets):
-            break
-        brackets = shorter
-    return b"[" in brackets
-
-
-_SAME_BRACKETS = bytes.maketrans(b"{}", b"[]")
-
-
-def _constant(text: str) -> float:
-    raise _bad(f"{text} is no number")
-
-
-def _float(text: str) -> float:
-    value = float(text)
-    if value in (float("inf"), float("-inf")):
-        raise _bad(f"{text[:30]} is too large a number")
-    return value
-
-
-def _int(text: str) -> int:
-    if len(text) > 20 or not -_LARGEST <= int(text) < _LARGEST:
-        raise _bad(f"{text[:30]} is too large a number")
-    return int(text)
-
-
-def _check_texts(value: Any) -> None:
-    # The depth was limited above, so recursion is safe.
-    if isinstance(value, str):
-        if _NOT_TEXT.search(value):
-            raise _bad(f"{value[:60]!a} holds a character that cannot be written down")
-    elif isinstance(value, list):
-        for item in value:
-            _check_texts(item)
-    elif isinstance(value, dict):
-        for name, item in value.items():
-            _check_texts(name)
-            _check_texts(item)
-
-
-def _bad(what: str) -> Problem:
-    return Problem(400, "InvalidRequest", f"the body cannot be taken: {what}")
-
-
-SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
-"""Methods that change nothing."""
-
-_HOST = re.compile(r"(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9_.-]+)(?::\d{1,5})?")
-_METHODS = "GET, HEAD, POST, PUT, PATCH, DELETE"
-_TAKEN = "Authorization, X-API-Key, Content-Type, If-Match, Idempotency-Key, Prefer, Last-Event-ID, X-Request-Id"
-_TOLD = "ETag, Location, Retry-After, X-Request-Id"
-
-
-class OriginPolicy:
-    """Checks the headers in which browsers name the page behind a request; other programs may send anything.
-
-    Args:
-        settings: Settings of the server.
-    """
-
-    def __init__(self, settings: ServerSettings) -> None:
-        bound = settings.host.strip("[]").lower()
-        self._any_address = bound in {"0.0.0.0", "::", ""}  # noqa: S104 - compared, not bound
-        names = {"127.0.0.1", "localhost", "::1", bound, *(name.lower() for name in settings.allowed_hosts)}
-        self._public = settings.public_origin
-        if self._public:
-            names.add(urlsplit(self._public).hostname or "")
-        self._names = frozenset(name.strip("[]") for name in names)
-        self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allowed_origins)
-
-    def check_host(self, headers: Headers) -> None:
-        """Checks that the Host header names this server: a foreign page can have its own name resolve to it.
-
-        Raises:
-            Problem: It does not.
-        """
-        match = _HOST.fullmatch(", ".join(headers.getlist("host")))  # two of them are not a valid name
-        name = match[1].strip("[]").lower() if match else ""
-        # An IP address cannot be made to resolve elsewhere, so any is accepted if the server listens on all of them.
-        if name not in self._names and not (self._any_address and is_address(name)):
-            raise Problem(
-                403,
-                "HostRefused",
-                f"this server is not called {headers.get('host', '')[:100]!a}: start it with --allow-host where it is",
-            )
-
-    def check_origin(self, method: str, scheme: str, headers: Headers) -> None:
-        """Checks that a request that changes something does not come from a foreign page in a user's browser.
-
-        Raises:
-            Problem: It does.
-        """
-        if method in SAFE or self.allowed(headers):
-            return
-        origin = headers.get("origin")
-        own = (f"{scheme}://{headers.get('host', '')}".lower(), self._public)
-        foreign = origin is not None and origin.lower() not in own
-        if foreign or headers.get("sec-fetch-site") == "cross-site":
-            raise Problem(
-                403,
-                "OriginRefused",
-                f"pages of {(origin or 'another site')[:200]!a} may not change anything here: start the server with"
-                " --allow-origin to let them",
-            )
-
-    def allowed(self, headers: Headers) -> str | None:
-        """Returns the origin of a foreign page that may use this server; None if there is none."""
-        origin = headers.get("origin", "")
-        return origin if origin.lower() in self._origins else None
-
-    def answer(self, headers: Headers) -> dict[str, str]:
-        """Returns the CORS headers for a page that may use this server; none for others."""
-        origin = self.allowed(headers)
-        if origin is None:
-            return {}
-        return {"Access-Control-Allow-Origin": origin, "Vary": "Origin", "Access-Control-Expose-Headers": _TOLD}
-
-    def preflight(self, headers: Headers) -> dict[str, str]:
-        """Returns the headers of the answer to a preflight request.
-
-        Raises:
-            Problem: The page may not use this server.
-        """
-        if self.allowed(headers) is None:
-            raise Problem(403, "OriginRefused", "pages of that origin may not use this server")
-        more = {"Access-Control-Allow-Methods": _METHODS, "Access-Control-Allow-Headers": _TAKEN}
-        return {**self.answer(headers), **more, "Access-Control-Max-Age": "600"}
-
 
 _log = logging.getLogger(__name__)
 

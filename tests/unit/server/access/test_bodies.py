@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.access.gate import check_json
+from skiros_py.server.access.bodies import check_json
 from skiros_py.server.problems import Problem
 
 _TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\0"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from starlette.datastructures import Headers
 
-from skiros_py.server.access.gate import OriginPolicy
+from skiros_py.server.access.origins import OriginPolicy
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
