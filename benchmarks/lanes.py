@@ -28,7 +28,7 @@ _ROOMY = 2.0
 _LONGEST = 240.0
 """When a meeting is broken off [s]."""
 _BEFORE_WALL, _BESIDE = 0.75, 2.0
-"""Where a goal is in a room: before its end, and beside the middle, where nobody has to pass [m]."""
+"""Where a goal is in a room: before its end, and beside the middle, where no other robot passes [m]."""
 _EVERY = 5
 """Cycles between two looks at what touches what."""
 

@@ -135,7 +135,7 @@ class DriveBase(DrivingPrimitive):
 
     _waits_for = ""
     _in_use = 0.0
-    """When something last ran on all robots that stand in the way [s]."""
+    """When something last ran on every robot that blocks the path [s]."""
 
     def execute(self) -> Execution[Outcome]:
         """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
@@ -218,7 +218,7 @@ class DriveBase(DrivingPrimitive):
             deadline: When waiting ends [s].
 
         Returns:
-            The path to where the robot is in nobody's way, if it is the one to give way; why waiting is no use; or
+            The path to a place where it blocks no other robot, if it is the one to give way; why waiting is no use; or
             None if the way is free, or another one may be.
         """
         again, before = self.context.now + _LOOK_AGAIN, self._driving()
@@ -269,7 +269,7 @@ class DriveBase(DrivingPrimitive):
         return None
 
     def _give_way(self, base: Mobile, path: Path, outline: Outline, deadline: float) -> Execution[Failure | None]:
-        """Drives to where the robot is in nobody's way; returns why it does not get there."""
+        """Drives to a place where the robot blocks no other one; returns why it does not get there."""
         self.progress(1, Message("makes room for {robots}", robots=self._waits_for))
         with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
             found = yield from self._wait_until_free(way, outline, deadline)

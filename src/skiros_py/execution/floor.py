@@ -119,7 +119,7 @@ class FloorAreas:
         others = [robot for robot in self._robots if robot != way.robot]
         standing = [robot for robot in others if not self.is_driving(robot) and self._stands_in(robot, way.area)]
         taken = [other for other in self._ways if other.granted and other.robot != way.robot]
-        earlier = [other for other in before if not other.standing]  # who cannot go holds nobody up
+        earlier = [other for other in before if not other.standing]  # one that cannot go delays no other
         moving = [other.robot for other in (*taken, *earlier) if other.area.intersects(way.area)]
         way.standing = tuple(standing)
         way.others = tuple(dict.fromkeys((*standing, *(robot for robot in moving if robot != way.robot))))

@@ -12,7 +12,7 @@ _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 BROKEN = -3
 """Code of a failure that is a mistake in a module's code: the log has the traceback."""
 OBSTRUCTED = -4
-"""Code of a failure because of robots that stand in the way, ``values["blocked_by"]``: not the target's fault."""
+"""Code of a failure because other robots block the path, ``values["blocked_by"]``: not the target's fault."""
 CANCELLED = -2
 """Code of a failure that is not the skill's own: it was ended because the world changed."""
 

@@ -219,7 +219,7 @@ def audit_findings(data: Path) -> Iterator[Finding]:
     except FileError:  # which is found without the server, too
         return
     if broken:
-        advice = "compare with an export of the audit log; whoever can write to the file can do that"
+        advice = "compare with an export of the audit log; any program that can write to the file can do that"
         yield Finding(FILE, f"the audit log was changed afterwards: {broken}", advice)
 
 
