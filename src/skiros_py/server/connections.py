@@ -30,7 +30,7 @@ _PIPELINED = 100
 """Maximum number of requests of one connection that wait until the one before them is answered."""
 _LOOK = 0.5
 """Period at which deadlines are checked [s]."""
-_ACCEPTED_AT_ONCE = 256
+_ACCEPTED_AT_ONCE = 16
 """Number of connections that are accepted before requests are served again."""
 _PAUSE = 0.05
 """Time until the next attempt after a connection could not be accepted [s]."""
