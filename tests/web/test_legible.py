@@ -66,3 +66,24 @@ def test_a_removed_element_comes_back_and_goes_again_by_keys(station, visit, exp
 def test_a_robot_that_only_pretends_is_named_as_such(station, visit, expect):
     page = visit(station().url)
     expect(page.get_by_role("note").filter(has_text="Pretended, without physics")).to_be_visible()
+    expect(page.get_by_text("robot not moving (pretended)")).to_be_visible()
+
+
+def test_a_template_that_was_removed_comes_back_and_goes_again_by_keys(station, visit, expect):
+    served = station()
+    stored = f"{served.url}/api/v1/documents/template/fill"
+    httpx2.put(stored, json={"data": {"goal": ["InKit(Starter, kit_1)"]}}).raise_for_status()
+    page = visit(served.url, at="#/goal")
+    page.get_by_role("combobox", name="Template").click()
+    page.get_by_role("option", name="fill").click()
+    form = page.get_by_role("region", name="Template “fill”")
+    form.get_by_role("button", name="Delete this template").click()
+    page.get_by_role("dialog").get_by_role("button", name="Remove").click()
+    expect(form).to_have_count(0)
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.keyboard.press("Control+z")
+    expect(form).to_be_visible()
+    assert httpx2.get(stored).json()["data"]["goal"] == ["InKit(Starter, kit_1)"]
+    page.keyboard.press("Control+Shift+z")
+    expect(form).to_have_count(0)
+    assert httpx2.get(stored).status_code == 404

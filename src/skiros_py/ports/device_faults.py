@@ -171,7 +171,7 @@ class DeviceModels:
     def __init__(
         self,
         devices: Mapping[str, DeviceSpec[Any, Any]],
-        models: Mapping[str, DeviceModel],
+        models: dict[str, DeviceModel],
         seen: Callable[[str, Any], None] = lambda _device, _state: None,
     ) -> None:
         self.models = models

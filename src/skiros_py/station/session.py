@@ -160,7 +160,7 @@ class Session(AbstractContextManager["Session"]):
         self.goal = self._own_goal()
         self.spec = self._read_cell()
         ports = start_ports(self._stack, self.spec, physics=not self.options.fake)
-        self.cell = start_cell(self._stack, self.spec, self.catalogue, self.options)
+        self.cell = start_cell(self._stack, self.spec, self.catalogue, self.options, self.world)
         self.world.subscribe(self._digest.add_change)
         self._set_up(ports)
         self._watch()

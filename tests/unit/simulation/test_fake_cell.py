@@ -43,6 +43,18 @@ def test_a_base_drives_exactly_as_told_and_knows_where_it_is(kitting):
     assert base.still
 
 
+def test_a_robot_that_was_put_elsewhere_stands_there_and_drives_on_from_there(kitting):
+    cell = FakeCell(kitting.cell_spec())
+
+    cell.stand("base", Pose.of(3.0, 1.0, 0.0, yaw=math.pi / 2))
+    stood = cell.exchange({}).state("base", BaseState)
+    cell.exchange({"base": BaseTwist(0.5, 0.0)})
+
+    assert stood.pose == Pose.of(3.0, 1.0, 0.0, yaw=math.pi / 2)
+    assert stood.still
+    assert cell.read().state("base", BaseState).pose.position == pytest.approx((3.0, 1.0 + 0.5 * cell.period, 0.0))
+
+
 def test_a_fake_cell_has_no_camera_images(kitting):
     with pytest.raises(DeviceError, match="the fake cell has no camera"):
         FakeCell(kitting.cell_spec()).capture("camera")

@@ -2,6 +2,7 @@ import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
+import { usePretends } from "../api/cell";
 import { keys } from "../api/keys";
 import { useLoginEnded } from "../api/session";
 import { useConnection } from "../live/connection";
@@ -38,11 +39,12 @@ export function RobotsState() {
   const known = useStation(({ state }) => state !== null);
   const current = useConnection(({ status, silent }) => status === "open" && silent === null);
   const moving = useStation(({ state }) => movingRobots(state, robots ?? []));
+  const pretends = usePretends();
   if (!known || robots === undefined) return null;
   if (robots.length === 0) return <Status mood="waiting" text={t("robots.none")} />;
   if (!current) return <Status mood="waiting" text={t("robots.unknown")} />;
-  if (moving === "") return <Status mood="waiting" text={t("robots.stand", { count: robots.length })} />;
-  return <Status mood="running" text={t("robots.move", { names: moving })} />;
+  const said = moving === "" ? t("robots.stand", { count: robots.length }) : t("robots.move", { names: moving });
+  return <Status mood={moving === "" ? "waiting" : "running"} text={pretends ? t("robots.pretended", { said }) : said} />;
 }
 
 export function ConnectionState() {

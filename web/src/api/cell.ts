@@ -1,4 +1,4 @@
-/** Queries for the robots, devices and skills of the station. */
+/** Queries for the robots, devices, simulation and skills of the station. */
 
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
@@ -28,6 +28,20 @@ export function useDevices(interval: number | false = false) {
     queryFn: async () => ((await answer(api.GET("/api/v1/devices"))).items as Device[]).sort(byId),
     refetchInterval: interval,
   });
+}
+
+/** The simulation or fake behind the robots; polled at an interval [ms] if one is given. */
+export function useSimulation(interval: number | false = false) {
+  return useQuery({
+    queryKey: keys.station("simulation"),
+    queryFn: () => answer(api.GET("/api/v1/simulation")),
+    refetchInterval: interval,
+  });
+}
+
+/** Whether robots only pretend: their skills assert effects, and they stand where they are believed to be. */
+export function usePretends(): boolean {
+  return useSimulation().data?.driver === "fake";
 }
 
 export function useSkills(): Skills {

@@ -1,6 +1,8 @@
-import { Loader, Stack, Title, VisuallyHidden } from "@mantine/core";
+import { Group, Loader, Stack, Title, VisuallyHidden } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import { useSingleMutation } from "../api/mutations";
+import { queryClient } from "../api/queries";
 import { useGhosts } from "../scene3d/ghosts";
 import { useVerdict, useVerdicts, type Verdict } from "./checks";
 import { type Draft, useDraft, useSceneName } from "./draft";
@@ -13,9 +15,17 @@ import { RunBar } from "./RunBar";
 import { Sentences } from "./Sentences";
 import { TemplateChoice } from "./TemplateChoice";
 import { TemplateForm } from "./TemplateForm";
-import { type Template, templateOrder, useTemplates } from "./templates";
+import {
+  reverseTemplate,
+  type Template,
+  templateOrder,
+  TEMPLATES,
+  useTemplateChanges,
+  useTemplates,
+} from "./templates";
 import { useFreshWords } from "./words";
-import { useHistoryKeys, useHistoryOf } from "../widgets/history";
+import { useHistoryOf } from "../widgets/history";
+import { HistoryButtons } from "../widgets/HistoryButtons";
 
 /** The Goal tab: state, check, plan, order and follow a goal. */
 export default function GoalTab() {
@@ -28,19 +38,22 @@ export default function GoalTab() {
 function Goal() {
   const { t } = useTranslation("goal");
   const { draft, change } = useDraft();
+  const history = useGoalHistory(draft, change);
   const wanted = useWanted(draft);
   const { order, verdicts, template } = wanted;
   const preview = usePreview(order);
   const conditions = verdicts.flatMap((verdict) => verdict.conditions);
   useShownGhosts(verdicts);
   useFreshWords();
-  useHistoryKeys(useHistoryOf(useGoals(draft), change));
   return (
     <Stack gap="md">
       <VisuallyHidden>
         <Title order={2}>{t("title")}</Title>
       </VisuallyHidden>
       <TemplateChoice verdicts={verdicts} />
+      <Group gap="xs">
+        <HistoryButtons operation="check_goal" {...history} />
+      </Group>
       {template && draft.template ? (
         <TemplateForm template={template} filled={draft.template} verdict={wanted.whole} />
       ) : (
@@ -66,9 +79,22 @@ function useWanted(draft: Draft) {
   return { order, whole, template, verdicts: draft.template ? [whole] : each };
 }
 
-/** The part of the draft that a person edits as the goal; the same object while that is unchanged. */
-function useGoals({ rows, template }: Draft): Pick<Draft, "rows" | "template"> {
-  return useMemo(() => ({ rows, template }), [rows, template]);
+/** Undo and redo of what a person edits as the goal, and of the changes of templates. */
+function useGoalHistory({ rows, template }: Draft, change: (goal: Pick<Draft, "rows" | "template">) => void) {
+  const count = useTemplateChanges((changes) => changes.count);
+  const reverse = useSingleMutation({
+    mutationFn: reverseTemplate,
+    onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),
+  });
+  const history = useHistoryOf(
+    { rows, template, count },
+    (past) => {
+      useTemplateChanges.setState({ count: past.count });
+      change({ rows: past.rows, template: past.template });
+    },
+    (past) => reverse.mutateAsync(past.count),
+  );
+  return { ...history, busy: reverse.isPending };
 }
 
 function useShownGhosts(verdicts: readonly Verdict[]): void {

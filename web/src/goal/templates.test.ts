@@ -3,7 +3,10 @@ import {
   EMPTY,
   fieldsOf,
   isCounted,
+  notifyTemplate,
+  reverseTemplate,
   templateOrder,
+  useTemplateChanges,
   variablesOf,
   withPlaceholders,
   isTemplateName,
@@ -76,29 +79,34 @@ test.each([
   expect(isTemplateName(name)).toBe(may);
 });
 
-test("a template that was saved, replaced or removed is as before after undoing, and as after it once redone", async () => {
+test("changes of templates are taken back and made again one by one", async () => {
   const there = new Map<string, { revision: number; data: unknown }>();
+  let revisions = 1;
   vi.stubGlobal("fetch", async (request: Request) => {
     const id = decodeURIComponent(request.url.split("/").at(-1) ?? "");
+    const seen = request.headers.get("if-match");
+    expect(seen).toBe(there.has(id) ? `"${there.get(id)?.revision}"` : null);
     if (request.method === "DELETE") {
       there.delete(id);
       return new Response(null, { status: 204 });
     }
     const { data } = (await request.json()) as { data: unknown };
-    const seen = request.headers.get("if-match");
-    expect(seen).toBe(there.has(id) ? `"${there.get(id)?.revision}"` : null);
-    there.set(id, { revision: (there.get(id)?.revision ?? 0) + 1, data });
+    there.set(id, { revision: revisions++, data });
     return Response.json({ kind: "template", id, revision: there.get(id)?.revision, module: "", data, problems: [] });
   });
-  const undo = await changeTemplate("fill", null, CONTENT);
-  const redo = await undo();
-  expect(there.has("fill")).toBe(false);
-  await redo();
-  expect(there.get("fill")?.data).toEqual(CONTENT);
+  const go = async (count: number) => {
+    await reverseTemplate(count);
+    useTemplateChanges.setState({ count });
+    return there.get("fill")?.data;
+  };
+  notifyTemplate("saved", await changeTemplate("fill", null, CONTENT));
   const seen = { name: "fill", version: there.get("fill")?.revision ?? 0, content: CONTENT };
-  const back = await changeTemplate("fill", seen, null);
-  expect(there.has("fill")).toBe(false);
-  await back();
-  expect(there.get("fill")?.data).toEqual(CONTENT);
+  const replaced = { ...CONTENT, description: "another one" };
+  notifyTemplate("replaced", await changeTemplate("fill", seen, replaced));
+  expect(await go(1)).toEqual(CONTENT);
+  expect(await go(2)).toEqual(replaced);
+  expect(await go(1)).toEqual(CONTENT);
+  expect(await go(0)).toBeUndefined();
+  expect(await go(1)).toEqual(CONTENT);
   vi.unstubAllGlobals();
 });

@@ -1,11 +1,9 @@
 /** Goal templates: goals with placeholders, which an order fills in. */
 
 import { useQuery } from "@tanstack/react-query";
+import { create } from "zustand";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
-import { queryClient } from "../api/queries";
-import i18n from "../i18n";
-import { notifyProblem } from "../widgets/problems";
 import { notifyDone } from "../widgets/toasts";
 import type { Filled, Piece } from "./draft";
 import { type CheckedCondition, type GoalData, type GoalOrder, isWord } from "./goals";
@@ -61,16 +59,40 @@ export async function changeTemplate(name: string, seen: Template | null, conten
     content === null
       ? await answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params })).then(() => null)
       : templateOf(await answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body: { data: { ...content } } })));
-  return () => changeTemplate(name, now, seen?.content ?? null);
+  if (now) written.set(name, now.version);
+  return () => changeTemplate(name, now && { ...now, version: written.get(name) ?? now.version }, seen?.content ?? null);
 }
+
+/** The versions written here last, by name: undoing writes new ones. */
+const written = new Map<string, number>();
 
 type Undo = () => Promise<Undo>;
 
-/** Reports a change of templates, with a button that undoes it; the same after undoing. */
+interface Changes {
+  /** How many changes are in effect. */
+  count: number;
+  /** For each change what takes it back; once taken back, what makes it again. */
+  reverse: readonly Undo[];
+}
+
+/** The changes of templates made here, for the history of the tab. */
+export const useTemplateChanges = create<Changes>(() => ({ count: 0, reverse: [] }));
+
+/** Reports a change of templates, and adds it to the history. */
 export function notifyTemplate(message: string, undo: Undo): void {
-  void queryClient.invalidateQueries({ queryKey: TEMPLATES });
-  const again = () => undo().then((redo) => notifyTemplate(i18n.t("goal:template.undone"), redo));
-  notifyDone(message, () => void again().catch(notifyProblem));
+  useTemplateChanges.setState(({ count, reverse }) => ({
+    count: count + 1,
+    reverse: [...reverse.slice(0, count), undo],
+  }));
+  notifyDone(message);
+}
+
+/** Takes back the last change that is in effect, or makes the next one again; `count` will be in effect then. */
+export async function reverseTemplate(count: number): Promise<void> {
+  const { count: before, reverse } = useTemplateChanges.getState();
+  const last = Math.min(count, before);
+  const back = count === before ? undefined : await reverse[last]?.();
+  if (back) useTemplateChanges.setState({ reverse: reverse.map((one, at) => (at === last ? back : one)) });
 }
 
 const NONE: readonly Template[] = [];

@@ -1,6 +1,8 @@
 /** Undo and redo: Ctrl+Z and Ctrl+Shift+Z act on the part of the page that is shown. */
 
-import { useEffect, useMemo, useRef, useState } from "react";
+import { useEffect, useRef, useState } from "react";
+import { shallow } from "zustand/shallow";
+import { notifyProblem } from "./problems";
 
 /** What can be taken back and done again; null for nothing. */
 export interface History {
@@ -26,21 +28,32 @@ export function pressed(command: keyof History): void {
   shown.at(-1)?.current[command]?.();
 }
 
-/** The history of a value that is replaced by each change. */
-export function useHistoryOf<Value>(value: Value, restore: (value: Value) => void): History {
+/**
+ * The history of a value that is replaced by each change.
+ *
+ * @param restore - Sets a value of the past or future.
+ * @param prepare - Does what has to succeed before that.
+ */
+export function useHistoryOf<Value>(
+  value: Value,
+  restore: (value: Value) => void,
+  prepare?: (value: Value) => Promise<void>,
+): History {
   const [{ past, now, future }, set] = useState<Past<Value>>({ past: [], now: value, future: [] });
-  if (now !== value) set({ past: [...past, now], now: value, future: [] });
-  return useMemo(() => {
-    const go = (next: Past<Value>) => {
+  if (!shallow(now, value)) set({ past: [...past, now], now: value, future: [] });
+  const go = (next: Past<Value>) => {
+    const done = () => {
       set(next);
       restore(next.now);
     };
-    const [last, coming] = [past.at(-1), future.at(-1)];
-    return {
-      undo: last === undefined ? null : () => go({ past: past.slice(0, -1), now: last, future: [...future, now] }),
-      redo: coming === undefined ? null : () => go({ past: [...past, now], now: coming, future: future.slice(0, -1) }),
-    };
-  }, [past, now, future, restore]);
+    if (prepare) prepare(next.now).then(done).catch(notifyProblem);
+    else done();
+  };
+  const [last, coming] = [past.at(-1), future.at(-1)];
+  return {
+    undo: last === undefined ? null : () => go({ past: past.slice(0, -1), now: last, future: [...future, now] }),
+    redo: coming === undefined ? null : () => go({ past: [...past, now], now: coming, future: future.slice(0, -1) }),
+  };
 }
 
 interface Past<Value> {

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import FakeRobot
 from skiros_py.ports.device_faults import DeviceModels, model_of
 from skiros_py.ports.driver import ModelCell
-from skiros_py.ports.values import DepthImage, Pending, Snapshot
+from skiros_py.ports.values import Commands, DepthImage, Pending, Snapshot
 
 
 class FakeCell(ModelCell):
     """A :class:`skiros_py.ports.driver.CellDriver` for trying skills and plans without physics.
 
-    Each device is the fake of its kind. Bodies do not exist: nothing can be seen, held or bumped into.
+    Each device is the fake of its kind. Bodies do not exist: nothing can be seen, held or bumped into. Skills that
+    only pretend drive nothing: a robot stands where :meth:`stand` puts it.
 
     Args:
         spec: The cell; its devices are used, its bodies are not.
@@ -37,11 +40,24 @@ class FakeCell(ModelCell):
         super().__init__(spec.devices)
         robots = [(group, FakeRobot(self.period, group.start)) for group in spec.groups]
         self._carried = {group.carrier.id: robot for group, robot in robots if group.carrier is not None}
+        self._to_stand: dict[str, Pose] = {}
         fakes = {device.id: model_of(device, "fake", robot) for group, robot in robots for device in group.devices}
         order = sorted(fakes, key=lambda id_: id_ not in self._carried)  # what moves a robot says where its others are
         models = {id_: model for id_ in order if (model := fakes[id_]) is not None}
         self._models = DeviceModels(self.devices, models, self._move_robot)
         self._snapshot = Snapshot(0, 0.0, self._models.start(self._models.states))
+
+    def stand(self, device: str, pose: Pose) -> None:
+        """Lets a device that carries its robot stand elsewhere in the map from the next cycle on; for any thread."""
+        self._to_stand[device] = pose
+
+    def _step(self, commands: Commands) -> None:
+        while self._to_stand:
+            device, start = self._to_stand.popitem()
+            with suppress(DeviceError):  # it is switched off now, and named
+                elsewhere = replace(self.devices[device], start=start)
+                self._models.models[device] = self._models.guard.call(elsewhere, "fake", self._carried[device])
+        super()._step(commands)
 
     def _move_robot(self, device: str, state: Any) -> None:
         if device in self._carried:

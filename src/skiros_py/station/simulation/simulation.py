@@ -260,7 +260,9 @@ class Simulation:
         if now is not session or not session.resting:
             return
         view = session.world.snapshot()
-        for name in _fixed(view, change):
+        robots = session.spec.robots if session.options.fake else ()  # they stand where they are believed to be
+        carriers = {robot.carrier.id for robot in robots if robot.carrier is not None}
+        for name in _fixed(view, tuple(edit for edit in change.edits if not _moves(edit, carriers))):
             self._note(
                 name, Message("{name} was changed: reset the simulation, and it is brought up like that", name=name)
             )
@@ -306,10 +308,14 @@ class Simulation:
         self._alarms.clear(AlarmKind.STALE, name)
 
 
-def _fixed(view: Index, change: Change) -> Iterator[str]:
+def _moves(edit: Edit, devices: set[str]) -> bool:
+    return isinstance(edit, PropertyEdit) and edit.property == v.POSE and edit.element in devices
+
+
+def _fixed(view: Index, edits: tuple[Edit, ...]) -> Iterator[str]:
     """Yields the changed robots, pieces of robots, and stocks, ignoring the believed location of robots."""
-    named = sorted(_touched(view, change.edits, PropertyEdit, RelationEdit, ElementEdit))
-    old = [edit.old for edit in change.edits if isinstance(edit, ElementEdit) and edit.old is not None]
+    named = sorted(_touched(view, edits, PropertyEdit, RelationEdit, ElementEdit))
+    old = [edit.old for edit in edits if isinstance(edit, ElementEdit) and edit.old is not None]
     for element in (*map(view.element, named), *(element for element in old if not view.has(element.id))):
         if any(view.ontology.is_a(element.type, class_) for class_ in _FIXED):
             yield element.id

@@ -1,5 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { Matrix4 } from "three";
+import { useSimulation } from "../../api/cell";
 import { answer, answerWithTag, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useMay } from "../../api/session";
@@ -35,22 +36,9 @@ export function useMovable(id: string, wanted: boolean) {
   });
 }
 
-function useSimulation() {
-  const { data } = useQuery({
-    queryKey: keys.station("simulation"),
-    queryFn: () => answer(api.GET("/api/v1/simulation")),
-  });
-  return data;
-}
-
 /** Whether there is a simulator, and therefore bodies. */
 export function useSimulates(): boolean {
-  return useSimulation()?.simulates ?? false;
-}
-
-/** Whether robots only pretend: their skills assert effects, and they stand where they started. */
-export function usePretends(): boolean {
-  return useSimulation()?.driver === "fake";
+  return useSimulation().data?.simulates ?? false;
 }
 
 const BODIES_EVERY = 500; // ms: the simulator's truth has no events

@@ -1,6 +1,7 @@
 import { useEffect, useMemo } from "react";
 import { useTranslation } from "react-i18next";
 import type { Vector3 } from "three";
+import { usePretends } from "../../api/cell";
 import { useSelection } from "../../selection/selection";
 import { useLayers } from "../layers";
 import { pointOf } from "../pointing";
@@ -12,7 +13,6 @@ import { hold } from "./labelNodes";
 import classes from "./Labels.module.css";
 import { isolated } from "../../i18n/isolated";
 import { nameNow } from "../../widgets/names";
-import { usePretends } from "../gizmo/useMovable";
 
 const MOST = 40; // labels of elements that are not selected
 
@@ -59,7 +59,7 @@ function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
       <span>
         {isolated(label || id)}
         {strong && label !== id && <small> {id}</small>}
-        {pretends && place !== null && <small> {t("believedAt", { place: nameNow(place) })}</small>}
+        {pretends && <small> {t("pretended")}</small>}
         {unsure && <small> {t("unsure", { place: nameNow(place) })}</small>}
       </span>
     </div>

@@ -4,13 +4,13 @@ import { IconAlertTriangle, IconClick, IconHistory, IconMask } from "@tabler/ico
 import { useIsFetching } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
+import { usePretends } from "../../api/cell";
 import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
 import { problemText } from "../../widgets/problems";
 import { useReplay } from "../replay";
 import { useLiveView } from "../view";
 import classes from "./Overlay.module.css";
-import { usePretends } from "../gizmo/useMovable";
 
 const SOON = 700; // ms: faster loading needs no message
 

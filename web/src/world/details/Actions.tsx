@@ -8,11 +8,9 @@ import {
   IconPlus,
   IconTrash,
 } from "@tabler/icons-react";
-import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../../api/client";
-import { keys } from "../../api/keys";
+import { useSimulation } from "../../api/cell";
 import { type Tool, useTools } from "../../scene3d/tools";
 import { useSelection } from "../../selection/selection";
 import { MayButton } from "../../widgets/MayButton";
@@ -102,10 +100,7 @@ function MoveButton({ tagged: { data } }: { tagged: Tagged }) {
 /** Activates a tool of the 3D view: moves the belief, or the simulated body without informing the robots. */
 function ToolButtons() {
   const { t } = useTranslation("world");
-  const { data } = useQuery({
-    queryKey: keys.station("simulation"),
-    queryFn: () => answer(api.GET("/api/v1/simulation")),
-  });
+  const { data } = useSimulation();
   return (
     <Button.Group>
       <ToolButton tool="belief" operation="change_element" label={t("actions.belief")} />

@@ -2,6 +2,7 @@ import { Alert, DataList, Group, SegmentedControl, Slider, Stack, Text } from "@
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { useSimulation } from "../../api/cell";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useMay } from "../../api/session";
@@ -9,13 +10,14 @@ import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import { ConfirmDialog } from "../../widgets/ConfirmDialog";
-import { useSimulation } from "./queries";
 
 type State = Schema<"SimulationState">;
 
+const LOOKED_AT = 2000; // ms: time has no events
+
 /** The pace of the simulation, and its reset. */
 export function Simulation() {
-  const { data: state } = useSimulation();
+  const { data: state } = useSimulation(LOOKED_AT);
   if (state === undefined) return null;
   return (
     <Stack gap="xs">

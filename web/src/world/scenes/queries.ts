@@ -4,7 +4,6 @@ import { keys } from "../../api/keys";
 
 const ALL = 1000;
 const LINES = 200;
-const LOOKED_AT = 2000; // ms: time has no events
 
 /** The current scene, with the ETag that loading another one must send. */
 export function usePresent() {
@@ -24,13 +23,5 @@ export function useDifference(name: string, enabled: boolean) {
     queryKey: keys.scenes("difference", name),
     queryFn: () => answer(api.GET("/api/v1/scene/diff", { params: { query: { with: name, limit: LINES } } })),
     enabled: enabled && name !== "",
-  });
-}
-
-export function useSimulation() {
-  return useQuery({
-    queryKey: keys.station("simulation"),
-    queryFn: () => answer(api.GET("/api/v1/simulation")),
-    refetchInterval: LOOKED_AT,
   });
 }
