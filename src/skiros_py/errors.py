@@ -41,7 +41,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from pathlib import Path
 
-from skiros_py.messages import Message, joined
+from skiros_py.messages import Message, cut, joined
 
 
 def escaped(text: str) -> str:
@@ -91,7 +91,7 @@ class UnknownName(UsageError):
         said = {"kind": kind, "name": given if len(str(name)) <= len(given) else f"{given}…"}
         text = Message("unknown {kind} '{name}'.", **said)
         if where:
-            text = Message("unknown {kind} '{name}' {where}.", where=where[:_LONGEST_SHOWN], **said)
+            text = Message("unknown {kind} '{name}' {where}.", where=cut(where, _LONGEST_SHOWN), **said)
         hint = [Message("Did you mean '{name}'?", name=self.nearest)] if self.nearest else []
         shown = ", ".join(self.known[:20]) + (", …" if many or len(self.known) > 20 else "")
         there_is = Message("Known: {names}.", names=shown)
@@ -173,7 +173,9 @@ class GoalSyntaxError(UsageError):
         self.column = column
         start = max(0, column - 60)  # a window, should the goal be very long
         shown = text[start : start + 100]
-        super().__init__(f"goal, column {column}: {reason}\n  {shown}\n  {' ' * (column - 1 - start)}^")
+        pointer = f"{' ' * (column - 1 - start)}^"
+        text = Message("goal, column {column}: {reason}", column=column, reason=reason)
+        super().__init__(joined("\n  ", (text, shown, pointer)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,9 +195,9 @@ class DocumentFault:
     column: int = 0
 
     def __str__(self) -> str:
-        line = f"line {self.line}, column {self.column}" if self.line else ""
-        where = ", ".join(part for part in (line, self.place) if part)
-        return f"{where}: {self.text}" if where else self.text
+        line = Message("line {line}, column {column}", line=self.line, column=self.column) if self.line else ""
+        where = [part for part in (line, self.place) if part]
+        return joined(": ", (joined(", ", where), self.text)) if where else self.text
 
 
 class DocumentError(UsageError):
@@ -207,8 +209,8 @@ class DocumentError(UsageError):
 
     def __init__(self, faults: Sequence[DocumentFault], document: str = "") -> None:
         self.faults = tuple(faults)
-        said = "; ".join(map(str, self.faults[:_MOST_FAULTS_SHOWN]))
-        super().__init__(f"{document}: {said}" if document else said)
+        said = joined("; ", map(str, self.faults[:_MOST_FAULTS_SHOWN]))
+        super().__init__(joined(": ", (document, said)) if document else said)
 
 
 _MOST_FAULTS_SHOWN = 20

@@ -57,10 +57,21 @@ def _restored(template: str, values: Mapping[str, Any]) -> Message:
     return Message(template, **values)
 
 
-def read_message(data: Mapping[str, Any]) -> Message:
-    """Returns the message of which this is the :attr:`~Message.data`."""
-    values = {name: read_message(one) if isinstance(one, Mapping) else one for name, one in data["values"].items()}
-    return Message(data["template"], **values)
+def read_message(data: Mapping[str, Any] | str) -> str:
+    """Returns the message of which this is the :attr:`~Message.data`; a text as it is."""
+    if isinstance(data, str):
+        return data
+    return Message(data["template"], **{name: read_message(one) for name, one in data["values"].items()})
+
+
+def message_data(text: str) -> dict[str, Any] | str:
+    """Returns what :func:`read_message` reads: the data of a message; another text as it is."""
+    return text.data if isinstance(text, Message) else text
+
+
+def cut(text: str, most: int) -> str:
+    """Returns at most so many characters of a text; a message that is short enough stays one."""
+    return text if len(text) <= most else text[:most]
 
 
 def messages_in(value: object) -> dict[str, dict[str, Any]]:

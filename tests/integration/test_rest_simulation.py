@@ -15,7 +15,7 @@ from support.serving import Served, serving
 from skiros_py.api.alarms import AlarmInfo, AlarmKind
 from skiros_py.client.client import Client
 from skiros_py.client.topics import Simulation
-from skiros_py.devices.mobile_base import BaseState
+from skiros_py.devices.mobile_base import BaseSpec, BaseState
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
 from skiros_py.station.session import Options
@@ -67,7 +67,7 @@ def stale_alarms(served: Served) -> list[AlarmInfo]:
 def test_editing_a_robot_is_reported_to_need_a_reset(pretending: Served) -> None:
     services = pretending.services
     with services.station.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
-        tx.set("base_1", "sk:pose", Pose.of(0.5, 0.0, 0.0))
+        tx.set("base_1", "sk:maxLinear", 0.5)
     services.station.control.call(lambda _: None)
 
     assert "base_1 was changed" in services.station.simulation.state().stale[0]
@@ -77,6 +77,19 @@ def test_editing_a_robot_is_reported_to_need_a_reset(pretending: Served) -> None
     services.station.simulation.reset(force=False)
     assert services.station.simulation.state().stale == []
     assert stale_alarms(pretending) == []
+    assert services.station.control.call(lambda s: s.spec.device("base_1", BaseSpec)).max_linear == 0.5
+
+
+def test_a_robot_without_physics_that_was_put_elsewhere_stands_there_and_needs_no_reset(pretending: Served) -> None:
+    services = pretending.services
+    with services.station.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
+        tx.set("base_1", "sk:pose", Pose.of(0.5, 0.0, 0.0))
+    with httpx2.Client(base_url=f"{pretending.url}/api/v1") as http:
+        poses = iter(lambda: http.get("/robots/robot_1/state").json()["pose"]["position"], None)
+        assert next(pose for pose in poses if pose != [0.0, 0.0, 0.0]) == [0.5, 0.0, 0.0]
+
+    assert services.station.simulation.state().stale == []
+    services.station.simulation.reset(force=False)
     base = services.station.control.call(lambda s: s.cycle.board.snapshot.state("base_1", BaseState))
     assert base.pose.position[0] == 0.5
 

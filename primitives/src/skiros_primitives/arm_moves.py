@@ -297,7 +297,7 @@ class HandlingPrimitive(ArmPrimitive):
     def come_down(self, planned: MotionPlan) -> Execution[NoMotion | None]:
         """Follows the way down; where it does not arrive, it retreats and returns why."""
         approach, down, up = planned.legs
-        self.progress(1, "approaching")
+        self.progress(1, Message("approaching"))
         refusal = yield from self.follow(approach)
         if refusal is None:
             self.retreat = up

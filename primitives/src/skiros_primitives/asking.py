@@ -120,7 +120,7 @@ class Confirm(AskingPrimitive):
         if isinstance(answer, Failure):
             return answer
         return (
-            Success("yes")
+            Success(Message("yes"))
             if answer == "yes"
             else Failure(Message("a person said no: {question}", question=self.question))
         )

@@ -163,7 +163,7 @@ class DriveBase(DrivingPrimitive):
 
     def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
-            self.leave("drives off")
+            self.leave(Message("drives off"))
         stuck = yield from self.drive(base, path, way)
         if stuck is None:
             return self._arrived(self.pose, goal)
@@ -275,7 +275,7 @@ class DriveBase(DrivingPrimitive):
             found = yield from self._wait_until_free(way, outline, deadline)
             if not way.free:
                 return found if isinstance(found, Failure) else None
-            self.leave("makes room for another robot")
+            self.leave(Message("makes room for another robot"))
             stuck = yield from self.drive(base, path, way)
         return (
             None if stuck is None else Failure(Message("stuck while it made room for {robots}", robots=self._waits_for))

@@ -69,10 +69,10 @@ class Grasp(HandlingPrimitive):
         refusal = yield from self.come_down(planned)
         if refusal is not None:
             return Failure(refusal.reason)
-        self.progress(2, "closing")
+        self.progress(2, Message("closing"))
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
         tool = self.tool_pose()
-        self.progress(3, "lifting")
+        self.progress(3, Message("lifting"))
         self._lifting = True
         refusal = yield from self.follow(up)
         if refusal is not None:

@@ -168,7 +168,9 @@ class JogTool(ArmPrimitive):
                 Message("{arm} cannot move its tool so: {reason}", arm=self.params.arm, reason=refusal.reason)
             )
         tool = self.tool_pose()
-        return Success("at {:.3f} {:.3f} {:.3f} m in the map".format(*tool.position))
+        return Success(
+            Message("at {x:.3f} {y:.3f} {z:.3f} m in the map", **dict(zip("xyz", tool.position, strict=True)))
+        )
 
     def _goal(self, tool: Pose) -> Pose:
         """The tool's pose in the map afterwards."""

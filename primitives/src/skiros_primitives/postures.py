@@ -77,7 +77,7 @@ class MoveArm(ArmPrimitive):
         refusal = yield from self.go([(JointMove(home),)]) if self.is_planned else self.go_straight(home)
         if refusal is not None:
             return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
-        return Success("home")
+        return Success(Message("home"))
 
 
 class StowArms(Primitive[Any]):
@@ -99,4 +99,4 @@ class StowArms(Primitive[Any]):
                 outcome = yield from self.call("move_arm", arm=arm.id)
                 if isinstance(outcome, Failure):
                     return outcome
-        return Success("stowed")
+        return Success(Message("stowed"))

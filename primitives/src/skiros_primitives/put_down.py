@@ -77,7 +77,7 @@ class PutDown(HandlingPrimitive):
         refusal = yield from self.come_down(planned)
         if refusal is not None:
             return Failure(refusal.reason)
-        self.progress(2, "releasing")
+        self.progress(2, Message("releasing"))
         before = gripper.state.gap
         gap = min(self.gripper_spec.max_gap, (width if isinstance(width, float) else before) + _OPEN)
         state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
@@ -88,7 +88,7 @@ class PutDown(HandlingPrimitive):
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
                 write_pose(tx, part, None)  # a look has to determine it
-        self.progress(3, "retreating")
+        self.progress(3, Message("retreating"))
         yield from self.recover()
         if not opened:
             return Failure(Message("the fingers did not open: gap {gap:.0f} mm", gap=state.gap * 1000.0))

@@ -7,7 +7,7 @@ import inspect
 import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import Annotated, Any, Generic, Self, TypeVar
 
@@ -180,37 +180,37 @@ class ProblemDetails(BaseModel):
 
 
 _WORDS = {
-    "bool": "must be true or false",
-    "int": "must be a whole number",
-    "int_from_float": "must be a whole number",
-    "float": "must be a number",
-    "decimal": "must be a number",
-    "finite_number": "must be a finite number",
-    "string": "must be text",
-    "list": "must be a list",
-    "tuple": "must be a list",
-    "dict": "must be an object with named fields",
-    "mapping": "must be an object with named fields",
-    "model": "must be an object with named fields",
-    "model_attributes": "must be an object with named fields",
-    "none_required": "must be null",
-    "missing": "is missing",
-    "extra_forbidden": "is not known here",
-    "greater_than_equal": "must be at least {ge}",
-    "greater_than": "must be more than {gt}",
-    "less_than_equal": "must be at most {le}",
-    "less_than": "must be less than {lt}",
-    "string_too_short": "must have at least {min_length} characters",
-    "string_too_long": "must have at most {max_length} characters",
-    "string_pattern_mismatch": "must be written as {pattern}",
-    "too_short": "must have at least {min_length} entries",
-    "too_long": "must have at most {max_length} entries",
-    "literal_error": "must be {expected}",
-    "enum": "must be {expected}",
-    "json_invalid": "is not JSON: {error}",
+    "bool": partial(Message, "must be true or false"),
+    "int": partial(Message, "must be a whole number"),
+    "int_from_float": partial(Message, "must be a whole number"),
+    "float": partial(Message, "must be a number"),
+    "decimal": partial(Message, "must be a number"),
+    "finite_number": partial(Message, "must be a finite number"),
+    "string": partial(Message, "must be text"),
+    "list": partial(Message, "must be a list"),
+    "tuple": partial(Message, "must be a list"),
+    "dict": partial(Message, "must be an object with named fields"),
+    "mapping": partial(Message, "must be an object with named fields"),
+    "model": partial(Message, "must be an object with named fields"),
+    "model_attributes": partial(Message, "must be an object with named fields"),
+    "none_required": partial(Message, "must be null"),
+    "missing": partial(Message, "is missing"),
+    "extra_forbidden": partial(Message, "is not known here"),
+    "greater_than_equal": partial(Message, "must be at least {ge}"),
+    "greater_than": partial(Message, "must be more than {gt}"),
+    "less_than_equal": partial(Message, "must be at most {le}"),
+    "less_than": partial(Message, "must be less than {lt}"),
+    "string_too_short": partial(Message, "must have at least {min_length} characters"),
+    "string_too_long": partial(Message, "must have at most {max_length} characters"),
+    "string_pattern_mismatch": partial(Message, "must be written as {pattern}"),
+    "too_short": partial(Message, "must have at least {min_length} entries"),
+    "too_long": partial(Message, "must have at most {max_length} entries"),
+    "literal_error": partial(Message, "must be {expected}"),
+    "enum": partial(Message, "must be {expected}"),
+    "json_invalid": partial(Message, "is not JSON: {error}"),
 }
 """Messages by pydantic's kind of error, without the suffixes that all errors of type have."""
-_NONE = "must not be empty"
+_NONE = Message("must not be empty")
 _LIMITS = ("ge", "gt", "le", "lt", "min_length", "max_length")
 
 
@@ -232,7 +232,7 @@ def fault_words(fault: Mapping[str, Any]) -> str:
     if words is None:
         return str(fault["msg"]).removeprefix("Value error, ")
     try:
-        return words.format(**context)
+        return words(**context)
     except LookupError:
         return str(fault["msg"])
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import check_seconds
+from skiros_py.messages import Message
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_texts, require
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
 
@@ -43,6 +44,6 @@ class AssertEffects(Behaviour):
         yield from scope.context.sleep(self.seconds)
         effects = scope.context.effects
         if effects is None:
-            return Failure("there is no skill here whose effects could be pretended")
-        effects.write(*self.only, author=scope.author, reason="pretended by a fake", pretended=True)
-        return Success("pretended")
+            return Failure(Message("there is no skill here whose effects could be pretended"))
+        effects.write(*self.only, author=scope.author, reason=Message("pretended by a fake"), pretended=True)
+        return Success(Message("pretended"))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator
-from skiros_py.messages import joined
+from skiros_py.messages import Message, joined
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, check_texts, require
 from skiros_py.skills.conditions import Pattern
 from skiros_py.skills.outcome import Execution, Failure, Outcome, Success
@@ -69,7 +69,7 @@ class ForEach(Decorator):
             for element in world.instances(self.class_)
             if self.where is None or self.where.evaluate(world, {**given, self.key: element})
         ]
-        outcome: Outcome = Success(f"there is no {self.key}")
+        outcome: Outcome = Success(Message("there is no {thing}", thing=self.key))
         for index, element in enumerate(fitting):
             if index:
                 yield

@@ -195,9 +195,9 @@ class ControlCycle:
             UsageError: Something still moves, or a task still runs.
         """
         if isinstance(self.activity.task, Task) or (self.halted and not all(task.done for task in self._tasks)):
-            raise UsageError("reset is for when everything has stopped: a task still runs")
+            raise UsageError(Message("reset is for when everything has stopped: a task still runs"))
         if not self.board.still:
-            raise UsageError("reset is for when everything stands: something still moves")
+            raise UsageError(Message("reset is for when everything stands: something still moves"))
         self.board.guard.restart()
         self.board.release()
         if self.signals is not None:

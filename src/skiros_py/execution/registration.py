@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from itertools import chain
 
 from skiros_py.execution.modules import ModuleInfo
+from skiros_py.messages import Message
 from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
 from skiros_py.world.world import World
 
@@ -38,7 +39,7 @@ class Registration:
         left = self._left_behind() if adopt else {}
         if not (offered or left):
             return
-        with self._world.transaction(author=self._author, reason="registers what it can do") as tx:
+        with self._world.transaction(author=self._author, reason=Message("registers what it can do")) as tx:
             for info in offered:
                 class_, relation = _WORDS[info.kind]
                 same = left.get((class_, info.name))

@@ -89,7 +89,7 @@ class Managers(Mapping[str, SkillManager]):
         """
         view = self._cell.context.world
         if agent in self._managers and not self._managers[agent].lost:
-            raise UsageError(f"the skill manager of {agent} is there already")
+            raise UsageError(Message("the skill manager of {agent} is there already", agent=agent))
         if not view.ontology.is_a(view.element(agent).type, AGENT):
             raise UsageError(f"{agent} is a {view.element(agent).type}, and only an {AGENT} has a skill manager")
         if agent in self._managers:

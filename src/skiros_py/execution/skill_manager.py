@@ -214,7 +214,7 @@ class SkillManager:
         self.stop()
         for task in self._watching.values():
             task.stop("its skill manager goes")
-        self._registration.withdraw("goes")
+        self._registration.withdraw(Message("goes"))
 
     def lose(self, reason: str) -> None:
         """Marks it as lost: its skills are no longer offered. For any thread; everything else goes on.

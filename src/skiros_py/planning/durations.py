@@ -9,6 +9,7 @@ from __future__ import annotations
 import statistics
 from dataclasses import replace
 
+from skiros_py.messages import Message
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.element import Value
@@ -33,7 +34,9 @@ def observe(world: World, skill: str, agent: str, seconds: float) -> None:
         return
     class_ = world.element(agent).type
     known = _lesson(world, skill, class_)
-    with world.transaction(author="task manager", reason=f"{skill} took {seconds:.2f} s") as tx:
+    with world.transaction(
+        author="task manager", reason=Message("{skill} took {seconds:.2f} s", skill=skill, seconds=seconds)
+    ) as tx:
         if known is None:
             properties: dict[str, Value] = {OF_SKILL: skill, APPLIES_TO: class_, RUN_TIMES: (seconds,)}
             tx.add(LEARNED_DURATION, f"{skill} by {class_}", None, properties, learned=True)

@@ -18,7 +18,7 @@ from starlette.exceptions import HTTPException
 
 from skiros_py import errors
 from skiros_py.api.wire import ProblemDetails, fault_limit, fault_words
-from skiros_py.messages import messages_in
+from skiros_py.messages import cut, joined, messages_in
 from skiros_py.station.requests import Seen
 
 _log = logging.getLogger(__name__)
@@ -241,15 +241,15 @@ def _of_http(error: HTTPException, headers: Mapping[str, str]) -> Problem:
 
 def _of_validation(error: RequestValidationError) -> Problem:
     fields = [_field(one) for one in error.errors()[:100]]
-    detail = "; ".join(f"{one['field']}: {one['message']}" for one in fields[:10])
-    return Problem(422, "InvalidRequest", detail[:_LONGEST], errors=fields)
+    detail = joined("; ", (joined(": ", (one["field"], one["message"])) for one in fields[:10]))
+    return Problem(422, "InvalidRequest", cut(detail, _LONGEST), errors=fields)
 
 
 def _field(fault: Mapping[str, Any]) -> dict[str, Any]:
     """Describes the fault of one field; kind and limit allow a page to translate the message."""
     limit = fault_limit(fault)
     field = ".".join(map(str, fault["loc"]))[:200]
-    said = {"field": field, "message": fault_words(fault)[:_LONGEST], "kind": str(fault["type"])}
+    said = {"field": field, "message": cut(fault_words(fault), _LONGEST), "kind": str(fault["type"])}
     return said if limit is None else {**said, "limit": limit}
 
 

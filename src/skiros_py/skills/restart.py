@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from skiros_py.messages import Message
 from skiros_py.skills.cell_reader import has_base
 from skiros_py.skills.surroundings import is_held
 from skiros_py.world import vocabulary as v
@@ -39,7 +40,7 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
     if not (held or robots or lost):
         check(world.snapshot())
         return
-    with world.transaction("simulation", "restarts", writer=Writer.SYSTEM) as tx:
+    with world.transaction("simulation", Message("restarts"), writer=Writer.SYSTEM) as tx:
         for part in lost:
             tx.place(part, v.ON, _anywhere(world))
             write_pose(tx, part, None)

@@ -46,7 +46,7 @@ class _Queue:
         answer: Future[T] = Future()
         with self._guard:
             if not self._takes:
-                raise Busy("the station is not running: the server begins or ends", retry_after=5.0)
+                raise Busy(Message("the station is not running: the server begins or ends"), retry_after=5.0)
             self._waiting.append((answer, work))
         self._asked.set()
         return answer
@@ -78,7 +78,7 @@ class _Queue:
         while self._waiting:
             answer, _ = self._waiting.popleft()
             if answer.set_running_or_notify_cancel():
-                answer.set_exception(Busy("the station was shut down before that was done", retry_after=5.0))
+                answer.set_exception(Busy(Message("the station was shut down before that was done"), retry_after=5.0))
 
 
 def _do(answer: Future[Any], work: Callable[[], Any]) -> None:

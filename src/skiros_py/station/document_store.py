@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import FileError, StaleVersion, UnknownName
+from skiros_py.messages import Message
 
 TEMPLATE, SEQUENCE = "template", "sequence"
 _TABLES = """
@@ -163,8 +164,16 @@ class DocumentStore:
         found = self.get(kind, name)
         now = found.version if found is not None else 0
         if now != expects:
-            said = f"version {now} is there" if now else "there is none"
-            raise StaleVersion(f"{kind} '{name}': {said}, not version {expects}: it was changed since; look again")
+            said = Message("version {version} is there", version=now) if now else Message("there is none")
+            raise StaleVersion(
+                Message(
+                    "{kind} '{name}': {there}, not version {seen}: it was changed since; look again",
+                    kind=kind,
+                    name=name,
+                    there=said,
+                    seen=expects,
+                )
+            )
 
     def _document(self, kind: str, name: str, version: int, data: str) -> Document:
         try:

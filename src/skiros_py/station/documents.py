@@ -174,7 +174,13 @@ class DocumentService(Service):
         if before is not None:
             require_seen(seen, before.version)
         elif len(self._store.all(kind)) >= _MOST:
-            raise WrongState(f"there are {_MOST} documents of kind {kind} already: remove some that are not needed")
+            raise WrongState(
+                Message(
+                    "there are {count} documents of kind {kind} already: remove some that are not needed",
+                    count=_MOST,
+                    kind=kind,
+                )
+            )
         module, maker = _module(kind, id_), self._kind(kind)
         _require_plain(data, module)
         made = self._make(maker, data, module)
@@ -321,7 +327,10 @@ class DocumentService(Service):
             {**dict.fromkeys(name for _, name in missing), **session.managers.documents, module: made},
         )
         faults = faults_of_document(made.behaviour, made.params, known)
-        problems = [DocumentFault(place, f"there is no document '{name}' that can run") for place, name in missing]
+        problems = [
+            DocumentFault(place, Message("there is no document '{name}' that can run", name=name))
+            for place, name in missing
+        ]
         if not found.agents:  # it has checked the elements itself, in the world that its steps leave
             problems += _wrong_elements(made.behaviour, known, world)
         return replace(
@@ -353,7 +362,9 @@ def _asked(module: str, work: Callable[[], T]) -> T:
 def _require_plain(data: Any, module: str) -> None:
     """Requires that a document is an object that JSON can represent and editors can draw."""
     if not isinstance(data, dict):
-        raise DocumentError((DocumentFault("", f"a document is an object, not {data!r:.100}"),), module)
+        raise DocumentError(
+            (DocumentFault("", Message("a document is an object, not {given}", given=repr(data)[:100])),), module
+        )
     try:
         text = json.dumps(data, allow_nan=False, ensure_ascii=False)
         text.encode()
@@ -361,7 +372,9 @@ def _require_plain(data: Any, module: str) -> None:
         fault = DocumentFault("", f"JSON cannot represent it: {type(error).__name__}: {error!s:.200}")
         raise DocumentError((fault,), module) from None
     if len(text) > _LONGEST:
-        fault = DocumentFault("", f"at most {_LONGEST} characters of JSON, not {len(text)}")
+        fault = DocumentFault(
+            "", Message("at most {most} characters of JSON, not {count}", most=_LONGEST, count=len(text))
+        )
         raise DocumentError((fault,), module)
 
 

@@ -456,7 +456,7 @@ class Session(AbstractContextManager["Session"]):
         texts = [part for part in given if isinstance(part, str)]
         conditions = tuple(part for part in given if isinstance(part, Condition)) + (self.parse(texts) if texts else ())
         if goal is not None and not conditions:
-            raise UsageError("the goal is empty: nothing is wanted")
+            raise UsageError(Message("the goal is empty: nothing is wanted"))
         if not conditions:
             raise UsageError(
                 Message(

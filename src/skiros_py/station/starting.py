@@ -40,9 +40,7 @@ def start_ports(stack: ExitStack, spec: CellSpec, *, physics: bool) -> Installed
     return ports
 
 
-def start_cell(
-    stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: Options, world: World
-) -> CellDriver:
+def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: Options, world: World) -> CellDriver:
     """Starts the driver of the cell, and the separate drivers of its robots and devices."""
     if options.fake:
         from skiros_py.simulation.fake.cell import FakeCell

@@ -82,7 +82,7 @@ def believe_back(context: TaskContext, condition: Condition, by: str) -> Failure
     """
     world = context.world
     try:
-        with world.transaction("operator", f"it is back, says {by}", writer=Writer.PERSON) as tx:
+        with world.transaction("operator", Message("it is back, says {by}", by=by), writer=Writer.PERSON) as tx:
             for thing, at in lost_things(world, condition).items():
                 tx.place(thing, at.relation, at.place)
                 forget_looks(tx, thing)
@@ -115,7 +115,7 @@ def _able(context: TaskContext) -> frozenset[tuple[str, str]]:
     return frozenset((agent, skill) for agent, manager in context.managers.items() for skill in manager.descriptions)
 
 
-def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: str = "done by hand") -> None:
+def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: str = Message("done by hand")) -> None:
     """Makes conditions true in the world model, all or none.
 
     Args:
@@ -129,5 +129,5 @@ def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: 
         WorldError: The world model rejects the change.
     """
     effects = [effect for condition in conditions for effect in effects_of(condition)]
-    with world.transaction("operator", f"{what}, says {by}", writer=Writer.PERSON) as tx:
+    with world.transaction("operator", Message("{what}, says {by}", what=what, by=by), writer=Writer.PERSON) as tx:
         write_effects(tx, world.ontology, effects)

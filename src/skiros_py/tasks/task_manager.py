@@ -160,7 +160,7 @@ class TaskManager:
         if iterate is not None and (isinstance(iterate, bool) or not isinstance(iterate, int) or iterate < 1):
             raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
         if not steps:  # an empty round takes no time: repeated forever, it would block the cycle
-            raise UsageError("the sequence has no steps: add one")
+            raise UsageError(Message("the sequence has no steps: add one"))
         read = tuple(read_step(step, self._context.world, self.skills) for step in steps)
         task = self._task(name, (), policy)
         executor = SequenceExecutor(task, self._context, read, iterate, anyway=anyway)

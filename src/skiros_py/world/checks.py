@@ -6,11 +6,11 @@ Problems are returned as sentences for the author of the write, not raised.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Solid
-from skiros_py.messages import Message, joined
+from skiros_py.messages import Message, joined, listed
 from skiros_py.world.element import Value, is_abstract, is_learned
 from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
@@ -41,16 +41,26 @@ def number_problems(view: Index, element_id: str) -> Iterator[str]:
 def _number_problem(view: Index, element_id: str, number: Cardinality) -> Iterator[str]:
     found = _counted(view, element_id, number)
     if number.most is not None and len(found) > number.most:
-        names = f" ({', '.join(found[:10])})" if found[0] else ""
-        yield f"{_said(view, element_id, number)} at most {number.most}, and there are {len(found)}{names}"
+        said = {"said": _said(view, element_id, number), "most": number.most, "count": len(found)}
+        if found[0]:
+            yield Message(
+                "{said} at most {most}, and there are {count} ({things})", things=", ".join(found[:10]), **said
+            )
+        else:
+            yield Message("{said} at most {most}, and there are {count}", **said)
     elif len(found) < number.least and not is_abstract(element_id):
-        there_are = f"there are {len(found)}" if found else "there is none"
-        yield f"{_said(view, element_id, number)} at least {number.least}, and {there_are}"
+        said = {"said": _said(view, element_id, number), "least": number.least}
+        if found:
+            yield Message("{said} at least {least}, and there are {count}", count=len(found), **said)
+        else:
+            yield Message("{said} at least {least}, and there is none", **said)
 
 
-def _said(view: Index, element_id: str, number: Cardinality) -> str:
-    what = f" a {number.of}" if number.of else ""
-    return f"{element_id} ({view.element(element_id).type}) must have by {number.relation}{what}"
+def _said(view: Index, element_id: str, number: Cardinality) -> Message:
+    said = {"thing": element_id, "kind": view.element(element_id).type, "relation": number.relation}
+    if number.of:
+        return Message("{thing} ({kind}) must have by {relation} a {other}", other=number.of, **said)
+    return Message("{thing} ({kind}) must have by {relation}", **said)
 
 
 def _counted(view: Index, element_id: str, number: Cardinality) -> tuple[str, ...]:
@@ -105,27 +115,29 @@ def _one_subject(ontology: Ontology) -> tuple[str, ...]:
 # ---------------------------------------------------------------- writes and states
 
 
-_UNCHANGED = "the ontology is never changed at run time"
+_UNCHANGED = Message("the ontology is never changed at run time")
 
 
 def class_problem(ontology: Ontology, class_: str) -> str | None:
     """Returns why there can be no element of a class, or None."""
     if class_ not in ontology.classes:
         if class_.partition(":")[0] in ("owl", "rdf", "rdfs"):
-            return f"'{class_}' makes a term of the ontology, and {_UNCHANGED}"
+            return Message("'{name}' makes a term of the ontology, and {why}", name=class_, why=_UNCHANGED)
         return str(UnknownName("class", class_, ontology.subclasses(ELEMENT)))
     if not ontology.is_a(class_, ELEMENT):
-        return f"{class_} is no {ELEMENT}, so there can be no element of it"
+        return Message("{name} is no {kind}, so there can be no element of it", name=class_, kind=ELEMENT)
     return None
 
 
 def id_problem(element_id: str) -> str | None:
     """Returns why a text cannot be the id of a new element, or None."""
     if element_id == "this":
-        return "'this' stands for the scene itself and is no id of an element"
+        return Message("'this' stands for the scene itself and is no id of an element")
     if not is_valid_id(element_id):
         shown = element_id if len(element_id) <= 60 else f"{element_id[:60]}…"
-        return f"'{shown}' is no id: use letters, digits and underscores (200 at most), and no digit first"
+        return Message(
+            "'{id}' is no id: use letters, digits and underscores (200 at most), and no digit first", id=shown
+        )
     return None
 
 
@@ -135,18 +147,20 @@ def goal_problem(goal: object) -> str | None:
         fits = check_string(goal).strip() != ""
     except ValueError:
         fits = False
-    return None if fits else f"a goal is a text of at most {LONGEST_TEXT} characters, got {shown(goal)}"
+    if fits:
+        return None
+    return Message("a goal is a text of at most {most} characters, got {given}", most=LONGEST_TEXT, given=shown(goal))
 
 
 def element_problem(view: Index, element_id: str) -> str | None:
     """Returns why an id names no writable element, or None."""
     if view.has(element_id):
         if is_abstract(element_id) and not is_learned(element_id):
-            return f"'{element_id}' is an individual of the ontology, and {_UNCHANGED}"
+            return Message("'{name}' is an individual of the ontology, and {why}", name=element_id, why=_UNCHANGED)
         return None
     ontology = view.ontology
     if any(element_id in terms for terms in (ontology.classes, ontology.relations, ontology.properties)):
-        return f"'{element_id}' is a term of the ontology, and {_UNCHANGED}"
+        return Message("'{name}' is a term of the ontology, and {why}", name=element_id, why=_UNCHANGED)
     return str(view.unknown(element_id))
 
 
@@ -155,21 +169,24 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
     ontology = view.ontology
     if relation not in ontology.relations:
         if relation.partition(":")[0] in ("owl", "rdf", "rdfs"):
-            return f"'{relation}' speaks of the ontology, and {_UNCHANGED}"
+            return Message("'{name}' speaks of the ontology, and {why}", name=relation, why=_UNCHANGED)
         return str(UnknownName("relation", relation, ontology.relations))
     declared = ontology.relations[relation]
     if declared.family is Family.COMPUTED:
         return Message("{relation} is computed by a reasoner and never stored", relation=relation)
     if is_learned(subject) != is_learned(object_):
-        return (
-            f"{subject} {relation} {object_}: what is learned outlives the scene, so neither may refer to the other;"
-            " say by sk:appliesTo which class it is about"
+        return Message(
+            "{subject} {relation} {object}: what is learned outlives the scene, so neither may refer to the other;"
+            " say by sk:appliesTo which class it is about",
+            subject=subject,
+            relation=relation,
+            object=object_,
         )
     faults = [
         Message(
             "its {end} must be a {kind}, and {thing} is a {other}",
             end=end,
-            kind=" or ".join(missed),
+            kind=listed(missed, either=True),
             thing=name,
             other=view.element(name).type,
         )
@@ -203,7 +220,15 @@ def checked_value(ontology: Ontology, element_id: str, type_: str, property_: st
         return None
     missed = ontology.missed_end(type_, declared.domains)
     if missed:
-        raise ValueError(f"{property_} belongs to a {' or '.join(missed)}, and {element_id} is a {type_}")
+        raise ValueError(
+            Message(
+                "{property} belongs to a {kind}, and {thing} is a {other}",
+                property=property_,
+                kind=listed(missed, either=True),
+                thing=element_id,
+                other=type_,
+            )
+        )
     try:
         checked = DATATYPES[declared.range].check(value)
         if property_ == SOLID:
@@ -211,9 +236,8 @@ def checked_value(ontology: Ontology, element_id: str, type_: str, property_: st
         if declared.range == CLASS_NAME and checked not in ontology.classes:
             raise ValueError(UnknownName("class", str(checked), ontology.classes))
     except ValueError as error:
-        hint = f" ({error})" if str(error) else ""
         says = DATATYPES[declared.range].says
-        raise ValueError(f"{property_} of {element_id} needs {says}, got {shown(value)}{hint}") from None
+        raise ValueError(_not_fitting(property_, element_id, says, value, error)) from None
     return checked
 
 
@@ -232,22 +256,27 @@ def state_problems(view: Index, touched: Iterable[str], places: Iterable[str] = 
     for place in sorted(name for name in places if view.has(name)):
         for number in _guest_numbers(view.ontology, view.element(place).type):
             yield from ((place, problem) for problem in _number_problem(view, place, number))
-    yield from _cycles(present, lambda name: _parents(view, name), "is inside itself")
-    yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), f"has its own frame as {POSE_FRAME}")
+    yield from _cycles(present, lambda name: _parents(view, name), partial(Message, "{thing} is inside itself: {ring}"))
+    framed = partial(Message, "{thing} has its own frame as {relation}: {ring}", relation=POSE_FRAME)
+    yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), framed)
 
 
 def _checked_label(element_id: str, value: Value | None) -> str:
+    says = Message("a text of at most {most} characters", most=LONGEST_TEXT)
     try:
         text = check_string(value)
     except ValueError as error:
-        text, hint = "", f" ({error})" if str(error) else ""
-    else:
-        hint = ""
+        raise ValueError(_not_fitting(LABEL, element_id, says, value, error)) from None
     if not text:
-        raise ValueError(
-            f"{LABEL} of {element_id} needs a text of at most {LONGEST_TEXT} characters, got {shown(value)}{hint}"
-        )
+        raise ValueError(_not_fitting(LABEL, element_id, says, value))
     return text
+
+
+def _not_fitting(property_: str, element_id: str, says: str, value: object, error: object = "") -> Message:
+    text = {"property": property_, "thing": element_id, "wanted": says, "given": shown(value)}
+    if str(error):
+        return Message("{property} of {thing} needs {wanted}, got {given} ({error})", error=error, **text)
+    return Message("{property} of {thing} needs {wanted}, got {given}", **text)
 
 
 def _allowed(view: Index, subject: str, object_: str) -> str:
@@ -299,7 +328,9 @@ def _parents(view: Index, element_id: str) -> tuple[str, ...]:
     return owners if placement is None else (*owners, placement.place)
 
 
-def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: str) -> Iterator[tuple[str, str]]:
+def _cycles(
+    names: list[str], parents: Callable[[str], tuple[str, ...]], says: Callable[..., Message]
+) -> Iterator[tuple[str, str]]:
     """Yields cycles that are met on the way up from the names, by first parents: two parents are refused anyway."""
     climbed: set[str] = set()
     for name in names:
@@ -311,4 +342,4 @@ def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: s
             current = next(iter(parents(current)), None)
         if current is not None and current in path:
             ring = [*path[path.index(current) :], current]
-            yield current, f"{current} {says}: {' -> '.join(ring)}"
+            yield current, says(thing=current, ring=" -> ".join(ring))

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.messages import Message
 from skiros_py.world.element import Value
 
 LONGEST_TEXT = 64 * 1024
@@ -50,7 +51,9 @@ def check_length(text: str) -> str:
         ValueError: It is longer than a literal may be.
     """
     if len(text) > LONGEST_TEXT:
-        raise ValueError(f"a text may have {LONGEST_TEXT} characters, and this has {len(text)}")
+        raise ValueError(
+            Message("a text may have {most} characters, and this has {count}", most=LONGEST_TEXT, count=len(text))
+        )
     return text
 
 
@@ -150,8 +153,8 @@ _FORMS: Mapping[str, tuple[str, str]] = {
 _TEXTS = frozenset({"xsd:string", "rdf:langString", "rdf:PlainLiteral", "rdf:XMLLiteral", "rdf:HTML"})
 _WHOLE = frozenset(_LIMITS)
 _NUMBERS = _WHOLE | {"xsd:decimal", "xsd:double", "xsd:float", "owl:real", "owl:rational"}
-_NUMBER = Datatype("a finite number", _NUMBERS, check_number, _parse_number)
-_STRING = Datatype("a text", _TEXTS, check_string, str)
+_NUMBER = Datatype(Message("a finite number"), _NUMBERS, check_number, _parse_number)
+_STRING = Datatype(Message("a text"), _TEXTS, check_string, str)
 
 
 def _whole_number(name: str) -> Datatype:
@@ -162,7 +165,9 @@ def _whole_number(name: str) -> Datatype:
             raise ValueError
         return int(value)
 
-    says = "a whole number" if name == "xsd:integer" else f"a whole number from {least} to {most}"
+    says = Message("a whole number")
+    if name != "xsd:integer":
+        says = Message("a whole number from {least} to {most}", least=least, most=most)
     return Datatype(says, _WHOLE, check, _parse_whole_number)
 
 
@@ -182,7 +187,7 @@ def _formed_text(name: str) -> Datatype:
 XSD_DATATYPES: Mapping[str, Datatype] = MappingProxyType(
     {
         **dict.fromkeys(sorted(_TEXTS), _STRING),
-        "xsd:boolean": Datatype("true or false", frozenset({"xsd:boolean"}), _check_boolean, _parse_boolean),
+        "xsd:boolean": Datatype(Message("true or false"), frozenset({"xsd:boolean"}), _check_boolean, _parse_boolean),
         **{name: _whole_number(name) for name in _LIMITS},
         **dict.fromkeys(sorted(_NUMBERS - _WHOLE), _NUMBER),
         **{name: _formed_text(name) for name in _FORMS},
@@ -345,17 +350,20 @@ DATATYPES: Mapping[str, Datatype] = MappingProxyType(
     {
         **XSD_DATATYPES,
         "sk:poseLiteral": Datatype(
-            'a pose "x y z roll pitch yaw" of finite numbers [m, rad]',
+            Message('a pose "x y z roll pitch yaw" of finite numbers [m, rad]'),
             frozenset({"sk:poseLiteral"}),
             _check_pose,
             _parse_pose,
         ),
         "sk:vectorLiteral": Datatype(
-            "finite numbers separated by blanks", frozenset({"sk:vectorLiteral"}), _check_vector, _parse_vector
+            Message("finite numbers separated by blanks"),
+            frozenset({"sk:vectorLiteral"}),
+            _check_vector,
+            _parse_vector,
         ),
-        CLASS_NAME: Datatype("the name of a class", frozenset({CLASS_NAME, "xsd:string"}), check_string, str),
-        "rdf:JSON": Datatype("a JSON text", frozenset({"rdf:JSON"}), _check_json, str),
-        ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str),
+        CLASS_NAME: Datatype(Message("the name of a class"), frozenset({CLASS_NAME, "xsd:string"}), check_string, str),
+        "rdf:JSON": Datatype(Message("a JSON text"), frozenset({"rdf:JSON"}), _check_json, str),
+        ANY_LITERAL: Datatype(Message("a text, a number or true or false"), frozenset(), _check_any, str),
     }
 )
 """The possible ranges of a property, by CURIE."""

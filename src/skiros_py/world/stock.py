@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from skiros_py.errors import WorldError
+from skiros_py.messages import Message
 from skiros_py.world.element import Element, Placement
 from skiros_py.world.names import local_name
 from skiros_py.world.overlay import Overlay
@@ -98,7 +99,7 @@ def take(tx: Transaction, token: str) -> str:
     name = token.partition(_MARK)[0]
     stock = _stock(tx.view, name) if tx.view.has(name) else None
     if stock is None:
-        raise WorldError(f"nothing is left of stock {name}")
+        raise WorldError(Message("nothing is left of stock {name}", name=name))
     tx.set(stock.id, STOCK_COUNT, stock.count - 1)
     return tx.add(stock.class_, placement=stock.placement)
 

@@ -38,7 +38,9 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
                 first=world.log.first,
             )
         )
-    return _revert(world, last, f"undoes change {last.number}: {last.reason}", author, holder)
+    return _revert(
+        world, last, Message("undoes change {number}: {reason}", number=last.number, reason=last.reason), author, holder
+    )
 
 
 def redo(world: World, author: str, *, expects: int | None = None, holder: str = "") -> Change:
@@ -64,7 +66,7 @@ def redo(world: World, author: str, *, expects: int | None = None, holder: str =
         raise WorldError(Message("there is nothing to redo: nothing was undone since the last edit by a person"))
     if any(isinstance(edit, SourceEdit) for edit in last.edits):
         raise WorldError(Message("there is nothing to redo: a scene that was taken back is loaded again instead"))
-    return _revert(world, last, f"redoes what was undone: {last.reason}", author, holder)
+    return _revert(world, last, Message("redoes what was undone: {reason}", reason=last.reason), author, holder)
 
 
 def _require(last: Change | None, expects: int | None, refusal: Callable[..., Message]) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message, joined
 from skiros_py.skills.parameters.param import Kind, Param, ValueClass
 from skiros_py.world.element import Value
 from skiros_py.world.literals import CLASS_NAME, DATATYPES, format_value, shown
@@ -77,18 +78,20 @@ def _of(curie: str, says: str, schema: Mapping[str, Any], sample: Any, **other: 
 
 _NUMBER: Mapping[str, Any] = {"type": "number"}
 _NUMBERS: Mapping[str, Any] = {"type": "array", "items": _NUMBER}
-_POSE = 'a pose "x y z roll pitch yaw" of finite numbers [m, rad]'
+_POSE = Message('a pose "x y z roll pitch yaw" of finite numbers [m, rad]')
 _SIX = {**_NUMBERS, "minItems": 6, "maxItems": 6}
 
 VALUE_TYPES: Mapping[str, ValueType] = MappingProxyType(
     {
-        "number": ValueType("a finite number", _check_number, _parse_number, repr, schema=_NUMBER, sample=1.0),
-        "integer": _of("xsd:integer", "a whole number", {"type": "integer"}, 1),
-        "text": _of("xsd:string", "a text", {"type": "string"}, "text"),
-        "boolean": _of("xsd:boolean", "true or false", {"type": "boolean"}, True),
+        "number": ValueType(Message("a finite number"), _check_number, _parse_number, repr, schema=_NUMBER, sample=1.0),
+        "integer": _of("xsd:integer", Message("a whole number"), {"type": "integer"}, 1),
+        "text": _of("xsd:string", Message("a text"), {"type": "string"}, "text"),
+        "boolean": _of("xsd:boolean", Message("true or false"), {"type": "boolean"}, True),
         "pose": _of("sk:poseLiteral", _POSE, _SIX, Pose(), check=_check_pose, json=_pose_numbers),
-        "vector": _of("sk:vectorLiteral", "finite numbers separated by blanks", _NUMBERS, (1.0, 1.0), json=list),
-        "class": _of("xsd:string", "the name of a class", {"type": "string"}, ELEMENT),
+        "vector": _of(
+            "sk:vectorLiteral", Message("finite numbers separated by blanks"), _NUMBERS, (1.0, 1.0), json=list
+        ),
+        "class": _of("xsd:string", Message("the name of a class"), {"type": "string"}, ELEMENT),
     }
 )
 """By the name that a parameter gives."""
@@ -279,23 +282,41 @@ def _is_json(text: str) -> bool:
 
 def refusal(param: Param, value: Any, noun: str = "parameter", why: str = "") -> str:
     """Returns the message that a value is none of a parameter, or an output, of such a type."""
-    says = f"a {param.element_class}" if param.is_element else _type_of(param).says
-    if param.length != 1:
-        says = f"{param.length or 'any number of'} values, each {says}"
-    unit = f" [{param.unit}]" if param.unit else ""
-    return f"{noun} {param.key} takes {says}{unit}, not {shown(value)}{': ' + why if why else ''}"
+    says = Message("a {kind}", kind=param.element_class) if param.is_element else _type_of(param).says
+    if param.length:
+        says = says if param.length == 1 else Message("{count} values, each {wanted}", count=param.length, wanted=says)
+    else:
+        says = Message("any number of values, each {wanted}", wanted=says)
+    if param.unit:
+        says = joined(" ", (says, f"[{param.unit}]"))
+    text = Message(
+        "{noun} {key} takes {wanted}, not {given}", noun=noun, key=param.key, wanted=says, given=shown(value)
+    )
+    return joined(": ", (text, why)) if why else text
 
 
 def _element(param: Param, value: Any, view: WorldView, what: str) -> str:
     class_ = param.element_class
     if not isinstance(value, str):
-        raise UsageError(f"{what} takes the id of a {class_}, not {shown(value)}")
+        raise UsageError(
+            Message("{what} takes the id of a {kind}, not {given}", what=what, kind=class_, given=shown(value))
+        )
     name = value if view.has(value) else _labelled(param, value, view, what)
     type_ = view.element(name).type
     if not view.ontology.is_a(type_, class_):
         names = view.instances(class_)
-        there = f"There are {', '.join(names[:20])}{', …' if len(names) > 20 else ''}." if names else "There is none."
-        raise UsageError(f"{what} takes a {class_}, and {name} is a {type_}. {there}")
+        things = ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
+        there = Message("There are {things}.", things=things) if names else Message("There is none.")
+        raise UsageError(
+            Message(
+                "{what} takes a {kind}, and {thing} is a {other}. {hint}",
+                what=what,
+                kind=class_,
+                thing=name,
+                other=type_,
+                hint=there,
+            )
+        )
     return name
 
 
@@ -306,8 +327,17 @@ def _labelled(param: Param, label: str, view: WorldView, what: str) -> str:
     if len(found) == 1:
         return found[0]
     if found:
-        raise UsageError(f"{what}: {', '.join(found[:20])} are all called {shown(label)}: say which")
-    raise UnknownName("element", label, names, where=f"for {what}, a {param.element_class}")
+        raise UsageError(
+            Message(
+                "{what}: {things} are all called {label}: say which",
+                what=what,
+                things=", ".join(found[:20]),
+                label=shown(label),
+            )
+        )
+    raise UnknownName(
+        "element", label, names, where=Message("for {what}, a {kind}", what=what, kind=param.element_class)
+    )
 
 
 Arguments = Mapping[str, Any]
@@ -339,7 +369,9 @@ def read_arguments(
             if key not in by_key:
                 raise UnknownName(noun, key, by_key)
             if by_key[key].kind is Kind.CONFIG:
-                raise UsageError(f"parameter {key} is fixed when the module is loaded: it cannot be given at a call")
+                raise UsageError(
+                    Message("parameter {key} is fixed when the module is loaded: it cannot be given at a call", key=key)
+                )
             values[key] = read_value(by_key[key], value, view, noun)
         except UsageError as fault:
             faults.append(fault)

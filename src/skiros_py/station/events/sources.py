@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.messages import cut
 from skiros_py.skills.context import Question
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.jobs.views import job_state, state_name
@@ -114,7 +115,7 @@ def job_data(job: Job) -> dict[str, Any]:
         "choices": job.choices,
         "question": job.question,
         "outcome": job.outcome.value if job.outcome is not None else None,
-        "reasons": [reason[:1000] for reason in job.reasons[:10]],
+        "reasons": [cut(reason, 1000) for reason in job.reasons[:10]],
         "attempts": job.attempts,
         "late": job.late,
     }

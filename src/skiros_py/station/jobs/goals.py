@@ -8,6 +8,7 @@ from functools import partial
 
 from skiros_py.api import goals as api
 from skiros_py.errors import StaleVersion, UsageError
+from skiros_py.messages import Message
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import ClassRelated, Compare, Computed, Condition, ConditionType, Has, Nothing, Related
@@ -151,9 +152,10 @@ class GoalService(Service):
         require_seen(seen, goals_version(before))
         texts = goal_texts(body.goals)
         self._station.session.parse(texts)
-        with world.transaction(author.name, "the goals of the scene", writer=Writer.PERSON, holder=author.holder) as tx:
+        reason = Message("the goals of the scene")
+        with world.transaction(author.name, reason, writer=Writer.PERSON, holder=author.holder) as tx:
             if world.goals != before:
-                raise StaleVersion("the goals of the scene were changed meanwhile: look again")
+                raise StaleVersion(Message("the goals of the scene were changed meanwhile: look again"))
             tx.set_goals(texts)
         return self.get()
 

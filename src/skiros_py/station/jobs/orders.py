@@ -41,7 +41,10 @@ def texts_of(ordered: GoalOrder, documents: DocumentStore) -> tuple[str, ...]:
         return goal_texts(ordered.goal)
     content = content_of(documents.find(TEMPLATE, ordered.work_master).data)
     texts = goal_texts(filled(ordered.work_master, content, ordered.parameters, ordered.materials))
-    _check_length(f"what goal template '{ordered.work_master}' makes of it", sum(len(text.encode()) for text in texts))
+    _check_length(
+        Message("what goal template '{name}' makes of it", name=ordered.work_master),
+        sum(len(text.encode()) for text in texts),
+    )
     return texts
 
 

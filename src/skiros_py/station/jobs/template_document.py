@@ -12,6 +12,7 @@ from skiros_py.api.goals import GoalTemplateContent, Material
 from skiros_py.api.wire import fault_words
 from skiros_py.behaviours import DocumentKind, PaletteEntry, Review
 from skiros_py.errors import DocumentError, DocumentFault, UnknownName, UsageError
+from skiros_py.messages import Message
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.skill import SkillDescription
@@ -75,7 +76,9 @@ def _pydantic_faults(where: str, error: ValidationError, *, skip: int) -> list[D
 def _text(form: Form, variables: frozenset[str], depth: int) -> str:
     """Returns the text of a condition; everything joined or negated is in parentheses."""
     if depth > _DEEPEST:
-        raise UsageError(f"the goal is nested deeper than {_DEEPEST} levels: say it in several conditions")
+        raise UsageError(
+            Message("the goal is nested deeper than {levels} levels: say it in several conditions", levels=_DEEPEST)
+        )
     match form:
         case forms.Word(condition=word, arguments=arguments):
             return f"{_word(word)}({', '.join(_name(argument.text, variables) for argument in arguments)})"
@@ -87,20 +90,24 @@ def _text(form: Form, variables: frozenset[str], depth: int) -> str:
             return f"({_text(premise, variables, depth + 1)}) implies ({_text(then, variables, depth + 1)})"
         case forms.ForAll(variable=variable, holds=holds) | forms.Exists(variable=variable, holds=holds):
             if not _VARIABLE.fullmatch(variable):
-                raise UsageError(f"'{variable[:100]}' cannot be a variable: letters, digits and _ only")
+                raise UsageError(
+                    Message("'{name}' cannot be a variable: letters, digits and _ only", name=variable[:100])
+                )
             inner = _text(holds, variables | {variable}, depth + 1)
             return f"{form.quantifier} {variable}: {_name(form.class_)} ({inner})"
 
 
 def _word(word: str) -> str:
     if not forms.PLAIN.fullmatch(word):
-        raise UsageError(f"unknown condition '{word[:100]}' in the goal: a word consists of letters, digits and _")
+        raise UsageError(
+            Message("unknown condition '{name}' in the goal: a word consists of letters, digits and _", name=word[:100])
+        )
     return word
 
 
 def _name(name: str, variables: frozenset[str] = frozenset()) -> str:
     if not name:
-        raise UsageError("a name in the goal is empty")
+        raise UsageError(Message("a name in the goal is empty"))
     return name if name in variables else forms.quoted(name)
 
 
@@ -133,7 +140,9 @@ def filled(
     goal = [_replaced(one, values, {}) for one in template.goal]
     if template.per_material is None:
         if materials:
-            raise UsageError(f"materials: goal template '{name}' says nothing of materials; leave them out")
+            raise UsageError(
+                Message("materials: goal template '{name}' says nothing of materials; leave them out", name=name)
+            )
         return goal
     _check_number(name, template.per_material, materials)
     pieces = [_replaced(template.per_material, values, piece) for piece in _pieces(materials)]
@@ -145,16 +154,20 @@ def faults_of(template: GoalTemplateContent) -> list[DocumentFault]:
     """Returns the faults in the placeholders of a template."""
     size = _size([*template.goal, template.per_material])
     if size > _LARGEST:
-        return [DocumentFault("goal", f"at most {_LARGEST} names, lists and objects, not {size}")]
+        return [
+            DocumentFault(
+                "goal", Message("at most {most} names, lists and objects, not {count}", most=_LARGEST, count=size)
+            )
+        ]
     names = [parameter.name for parameter in template.parameters]
     twice = sorted({name for name in names if names.count(name) > 1})
-    faults = [DocumentFault("parameters", f"'{name}' is there twice") for name in twice]
+    faults = [DocumentFault("parameters", Message("'{name}' is there twice", name=name)) for name in twice]
     for index, goal in enumerate(template.goal):
         faults += _faults(goal, f"goal[{index}]", names, ())
     if template.per_material is not None:
         faults += _faults(template.per_material, "per_material", names, _FIELDS)
     if not template.goal and template.per_material is None:
-        faults.append(DocumentFault("goal", "a template needs conditions, or one for each material"))
+        faults.append(DocumentFault("goal", Message("a template needs conditions, or one for each material")))
     return faults
 
 
@@ -166,7 +179,9 @@ def _values(name: str, template: GoalTemplateContent, parameters: Mapping[str, s
     values = {key: parameters.get(key, default) for key, default in known.items()}
     missing = [key for key, value in values.items() if value is None]
     if missing:
-        raise UsageError(f"parameters: goal template '{name}' needs {', '.join(missing)}")
+        raise UsageError(
+            Message("parameters: goal template '{name}' needs {things}", name=name, things=", ".join(missing))
+        )
     return {key: value for key, value in values.items() if value is not None}
 
 
@@ -182,7 +197,7 @@ def _check_number(name: str, condition: object, materials: Sequence[Material]) -
     """Checks that the material does not produce too many conditions, before producing any."""
     number = sum(material.pieces for material in materials)
     if number > _MOST:
-        raise UsageError(f"materials: more than {_MOST} pieces in one order")
+        raise UsageError(Message("materials: more than {most} pieces in one order", most=_MOST))
     if number * _size(condition) > _MOST_MADE:
         raise UsageError(
             f"materials: goal template '{name}' is too large for {number} pieces in one order; for"
@@ -212,7 +227,11 @@ def _size(data: object) -> int:
 def _check_pieces(name: str, pieces: list[Any]) -> None:
     """Checks that each piece has its own condition: two identical ones would be fulfilled by one piece."""
     if not pieces:
-        raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
+        raise UsageError(
+            Message(
+                "materials: goal template '{name}' makes a condition of each material, and none is ordered", name=name
+            )
+        )
     seen = set()
     for piece in pieces:
         # "Starter" and "kitting:Starter" are the same class.
@@ -232,7 +251,9 @@ def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, s
             return parameters[key]
         case {"material": str(field)} if len(data) == 1:
             if not material[field]:
-                raise UsageError(f"materials: the goal template needs the {field} of each material")
+                raise UsageError(
+                    Message("materials: the goal template needs the {field} of each material", field=field)
+                )
             return material[field]
         case dict():
             return {key: _replaced(value, parameters, material) for key, value in data.items()}
@@ -246,7 +267,7 @@ def _faults(data: object, where: str, names: Sequence[str], fields: Sequence[str
     for path, one, depth in _walk(data, where):
         match one:
             case _ if depth > _DEEPEST:
-                yield DocumentFault(path[:200], f"nested deeper than {_DEEPEST} levels")
+                yield DocumentFault(path[:200], Message("nested deeper than {levels} levels", levels=_DEEPEST))
                 return
             case {"parameter": key} if len(one) == 1 and key not in names:
                 yield DocumentFault(path, str(UnknownName("parameter", str(key), names)))

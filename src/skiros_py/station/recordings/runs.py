@@ -17,6 +17,7 @@ from typing import Any
 from uuid import uuid4
 
 from skiros_py.errors import FileError, Refused
+from skiros_py.messages import Message
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
@@ -258,9 +259,11 @@ class JobRecordings:
 
 def _no_replay(job: Job, error: Exception) -> Refused:
     if job.started is None:
-        why = "it has not begun" if job.state.is_open else "it never began"
+        why = Message("it has not begun") if job.state.is_open else Message("it never began")
     elif job.state.is_open:
-        why = "nothing is written down yet: ask again in some seconds"
+        why = Message("nothing is written down yet: ask again in some seconds")
     else:
-        why = f"it is kept no longer, or never was ({error}): there is room for those of the last jobs only"
-    return Refused("NoReplay", f"there is no replay of job '{job.id}': {why}")
+        why = Message(
+            "it is kept no longer, or never was ({error}): there is room for those of the last jobs only", error=error
+        )
+    return Refused("NoReplay", Message("there is no replay of job '{job}': {why}", job=job.id, why=why))

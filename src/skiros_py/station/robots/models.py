@@ -19,6 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import Busy, DeviceError
+from skiros_py.messages import Message
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.system import require_extra
 from skiros_py.workers import Worker
@@ -82,7 +83,7 @@ class RobotModels:
         try:
             return model.result(_PATIENCE)
         except TimeoutError:
-            raise Busy(f"the picture of {name} is still being made", retry_after=2.0) from None
+            raise Busy(Message("the picture of {name} is still being made", name=name), retry_after=2.0) from None
         except CancelledError:
             raise DeviceError("the server ends") from None
 

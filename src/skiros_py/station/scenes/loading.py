@@ -47,7 +47,7 @@ def load(
         SkirosError: The station cannot be brought up in that scene; it is up in the old one.
     """
     before: list[tuple[Index, Change | None]] = []
-    reason = f"loaded scene {scene.source.name or '(upload)'}"
+    reason = Message("loaded scene {name}", name=scene.source.name or "(upload)")
 
     def prepare(session: Session) -> None:
         require_rest(session)
@@ -119,7 +119,7 @@ def _take_back(data: Path, old: Index, change: Change | None) -> None:
     """Restores the old scene, while no session has the data directory open."""
     with open_data(data, create=False) as directory:
         world = directory.world
-        reason = "takes the last scene back: the station cannot be brought up in it"
+        reason = Message("takes the last scene back: the station cannot be brought up in it")
         undoes = None if change is None else change.number
         with world.transaction("server", reason, writer=Writer.PERSON, undoes=undoes) as tx:
             tx.apply(changes_to(old, world.snapshot()))

@@ -133,7 +133,7 @@ class SceneStore:
             FileError: It cannot be written.
         """
         if not _NAME.fullmatch(name):
-            raise UsageError("a scene is saved under small letters, digits, '_' and '-', 64 at most")
+            raise UsageError(Message("a scene is saved under small letters, digits, '_' and '-', 64 at most"))
         text = scene_turtle(scene_only(scene))
         with self._writing:
             try:

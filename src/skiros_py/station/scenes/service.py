@@ -102,7 +102,7 @@ class SceneService(Service):
             file = self._station.scene_store.save(name, world.snapshot(), seen)
         except FileError as error:
             raise Refused("NotSaved", Message("the scene is not saved: {error}", error=shown(error))) from None
-        with world.transaction("server", f"saved as scene {name}", writer=Writer.SYSTEM) as tx:
+        with world.transaction("server", Message("saved as scene {name}", name=name), writer=Writer.SYSTEM) as tx:
             tx.set_source(scene_source(file.path))
         return _entry(file), file.version
 

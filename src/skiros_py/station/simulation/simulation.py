@@ -200,7 +200,9 @@ class Simulation:
             try:
                 check_reopening(session)
             except (DescriptionError, UsageError) as error:
-                raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
+                raise WrongState(
+                    Message("nothing was reset, for what is believed cannot be brought up: {error}", error=error)
+                ) from None
 
         self._control.reopen(prepare)
         return self.state()
@@ -226,7 +228,7 @@ class Simulation:
         from PIL import Image  # imported only for pictures
 
         seen_from = _not_straight_down(eye, target)
-        full = "another picture is being made: one at a time, for robots' cameras need the same process"
+        full = Message("another picture is being made: one at a time, for robots' cameras need the same process")
         file = io.BytesIO()
         with admitted(self._drawing, full):
             try:
@@ -235,7 +237,9 @@ class Simulation:
                 )
                 Image.fromarray(drawing.result()).save(file, "PNG")
             except DeviceError as error:
-                raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
+                raise Busy(
+                    Message("no picture: {error}; perhaps the simulation is being brought up again", error=error)
+                ) from None
         return file.getvalue()
 
     # ------------------------------------------------------------------ edits, in the control thread
@@ -366,25 +370,35 @@ def _bodies(session: Session, view: WorldView, changed: list[BodySpec]) -> tuple
 
 def _cell(session: Session) -> SimulatedCell:
     if not session.simulates:
-        raise Refused("NoSimulation", "no physics is simulated behind these robots: start without --fake or --driver")
+        raise Refused(
+            "NoSimulation", Message("no physics is simulated behind these robots: start without --fake or --driver")
+        )
     return session.simulation
 
 
 def _require_simulated_time(session: Session) -> None:
     if session.options.driver is not None:
         raise Refused(
-            "NoSimulation", "these robots are real or simulated by another program, which controls their time"
+            "NoSimulation", Message("these robots are real or simulated by another program, which controls their time")
         )
 
 
 def _require_free(cell: SimulatedCell, body: str) -> None:
     if body in cell.scene.compartments:
-        raise WrongState(f"'{body}' is a region of {cell.scene.compartments[body][0].place}, and moves with it only")
+        raise WrongState(
+            Message(
+                "'{name}' is a region of {whole}, and moves with it only",
+                name=body,
+                whole=cell.scene.compartments[body][0].place,
+            )
+        )
     there = cell.scene.bodies.get(body)
     if there is None:
         raise UnknownName("body", body, cell.scene.bodies)
     if there.carrier is not None:
-        raise WrongState(f"'{body}' is bolted to {there.carrier}, and moves with it only")
+        raise WrongState(
+            Message("'{name}' is bolted to {whole}, and moves with it only", name=body, whole=there.carrier)
+        )
 
 
 def _not_straight_down(eye: Point, target: Point) -> Point:

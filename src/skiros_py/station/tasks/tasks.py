@@ -208,7 +208,7 @@ class TaskService(Service):
             return self._start(lambda session: session.begin(conditions, policy), author)
         steps = self._steps(request)
         if not steps:  # repetitions without steps take no time: the control cycle would never end
-            raise Refused("CannotWork", "the sequence has no steps: add one")
+            raise Refused("CannotWork", Message("the sequence has no steps: add one"))
         session = self._session
         if not request.anyway:
             require_works(check_steps(session.world.snapshot(), steps, session.tasks.skills))

@@ -10,6 +10,7 @@ from skiros_py.api import transactions
 from skiros_py.api.wire import moment
 from skiros_py.api.world import Addition, Change, ChangePage, ElementPatch, Lock, NewRelation, Undoable, Written
 from skiros_py.errors import Refused, UsageError
+from skiros_py.messages import Message
 from skiros_py.station.requests import Author
 from skiros_py.station.world.values import set_value
 from skiros_py.world import change as world_change
@@ -79,10 +80,13 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
     """
     journal = _journal(world)
     if 0 < number < journal.first:
-        raise _forgotten(journal, f"change {number}")
+        raise _forgotten(journal, Message("change {number}", number=number))
     heads = journal.page(number - 1, 1) if 0 < number <= journal.version else ()
     if not heads:
-        raise Refused("NotFound", f"there is no change {number}: the latest is {journal.version}")
+        raise Refused(
+            "NotFound",
+            Message("there is no change {number}: the latest is {version}", number=number, version=journal.version),
+        )
     head = heads[0]
     return _view_of(head.change, journal.edits(head, start, most), start, head.edits, head.wall)
 
@@ -119,12 +123,12 @@ def _page(journal: Journal, heads: Sequence[Entry], limit: int) -> ChangePage:
 
 def _journal(world: World) -> Journal:
     if not isinstance(world.log, Journal):
-        raise Refused("NoJournal", "this world is kept nowhere: serve it with a data directory")
+        raise Refused("NoJournal", Message("this world is kept nowhere: serve it with a data directory"))
     return world.log
 
 
 def _forgotten(journal: Journal, what: str) -> Refused:
-    text = f"{what} is not known: changes are remembered from number {journal.first} on"
+    text = Message("{what} is not known: changes are remembered from number {first} on", what=what, first=journal.first)
     return Refused("Forgotten", text, remembered_from=journal.first)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from skiros_py.api import world as api
 from skiros_py.errors import UsageError
+from skiros_py.messages import Message
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.world.editing import add, change, history, writing, written
 from skiros_py.station.world.values import plain
@@ -217,7 +218,7 @@ class ElementService(Service):
         Raises:
             WorldError: The world refuses it.
         """
-        with writing(self._world, author, new.reason or f"adds a {new.class_ or new.like}") as tx:
+        with writing(self._world, author, new.reason or Message("adds a {kind}", kind=new.class_ or new.like)) as tx:
             element = add(tx, new)
         return self.get(element)
 
@@ -238,14 +239,15 @@ class ElementService(Service):
         self, element: str, patch: api.ElementPatch, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
     ) -> api.Written:
         """Does the same as :meth:`change`, and returns what was written."""
-        reason = patch.reason or f"edits {element}"
+        reason = patch.reason or Message("edits {element}", element=element)
         return self._write(element, seen, author, reason, lambda tx: change(tx, element, patch))
 
     def remove(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
     ) -> api.Written:
         """Removes an element with its parts; elements placed there move to the place where it was."""
-        return self._write(element, seen, author, reason or f"removes {element}", lambda tx: tx.remove(element))
+        reason = reason or Message("removes {element}", element=element)
+        return self._write(element, seen, author, reason, lambda tx: tx.remove(element))
 
     def relate(
         self,
@@ -271,7 +273,11 @@ class ElementService(Service):
             reason: Why.
             holds: False to remove it.
         """
-        reason = reason or f"{'states' if holds else 'takes back'} {element} {relation} {other}"
+        stated = {"subject": element, "relation": relation, "object": other}
+        if not reason and holds:
+            reason = Message("states {subject} {relation} {object}", **stated)
+        elif not reason:
+            reason = Message("takes back {subject} {relation} {object}", **stated)
         write = Transaction.relate if holds else Transaction.unrelate
         return self._write(element, seen, author, reason, lambda tx: write(tx, element, relation, other))
 

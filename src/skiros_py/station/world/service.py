@@ -102,13 +102,13 @@ class Queries:
         with admitted(self._turns, full):
             outside = self._outside
             if outside is None:
-                raise Busy("the station is not running: ask again later")
+                raise Busy(Message("the station is not running: ask again later"))
             try:
                 return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
             except DeviceError:
                 if self._outside is outside:
                     raise
-                raise Busy("the station was closed meanwhile: ask again later") from None
+                raise Busy(Message("the station was closed meanwhile: ask again later")) from None
 
     def open(self, session: Session) -> None:
         """Answers queries about a session's world from now on."""

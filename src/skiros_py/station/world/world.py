@@ -12,6 +12,7 @@ from skiros_py.api import world as api
 from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import FileError, Locked, Refused, StaleVersion, UnknownName, WorldError
+from skiros_py.messages import Message, joined
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed
 from skiros_py.station.scenes.loading import shown
 from skiros_py.station.world import editing
@@ -216,8 +217,8 @@ class WorldService(Service):
         except WorldError as error:
             last = self._world.log.undoable() if how is undo else None
             was_loaded = last is not None and any(isinstance(edit, SourceEdit) for edit in last.edits)
-            hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
-            raise Refused(refusal, f"{error}{hint}") from None
+            hint = Message("load the former scene instead: PUT /scene")
+            raise Refused(refusal, joined("; ", (str(error), hint)) if was_loaded else str(error)) from None
 
     # ------------------------------------------------------------------ learned concepts
 
@@ -240,7 +241,8 @@ class WorldService(Service):
             StaleVersion: It was changed since it was seen.
         """
         self._check_learned(element)
-        return self._station.elements.remove(element, seen, author, reason or f"forgets {element}")
+        reason = reason or Message("forgets {element}", element=element)
+        return self._station.elements.remove(element, seen, author, reason)
 
     def teach(self, new: api.NewElement, author: Author = LIBRARY) -> api.Written:
         """Adds a learned concept; its id is that of ``new`` in the result.
@@ -250,7 +252,9 @@ class WorldService(Service):
             WorldError: The world refuses it.
         """
         world = self._world
-        with editing.writing(world, author, new.reason or f"teaches a {new.class_ or new.like}") as tx:
+        with editing.writing(
+            world, author, new.reason or Message("teaches a {kind}", kind=new.class_ or new.like)
+        ) as tx:
             element = editing.add(tx, new, learned=True)
         return editing.written(world, tx, {"new": element})
 
@@ -284,10 +288,11 @@ class WorldService(Service):
         """
         world = self._world
         try:
-            with sent.as_file("learned") as path, editing.writing(world, author, reason or "imports concepts") as tx:
+            reason = reason or Message("imports concepts")
+            with sent.as_file("learned") as path, editing.writing(world, author, reason) as tx:
                 import_learned(world, tx, path, replace=replace)
         except FileError as error:
-            reason = f"the file is refused, nothing was changed: {shown(error)}"
+            reason = Message("the file is refused, nothing was changed: {error}", error=shown(error))
             raise Refused("LearnedBroken", reason, line=error.line) from None
         return editing.written(world, tx)
 

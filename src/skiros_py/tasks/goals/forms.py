@@ -21,6 +21,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, GetPydanticSchema, Tag, TypeAdapter
 
 from skiros_py.errors import GoalSyntaxError
+from skiros_py.messages import Message, joined, listed
 from skiros_py.world.vocabulary import ELEMENT
 
 
@@ -155,11 +156,11 @@ _WORDS: Mapping[str, str] = {
     "COMMA": "','",
     "COLON": "':'",
     "MINUS": "'-'",
-    "NAME": "a name",
-    "QUOTED": "a name",
-    "SYMBOL": "a name",
-    "VARIABLE": "a variable",
-    "WORD": "the word of a condition",
+    "NAME": Message("a name"),
+    "QUOTED": Message("a name"),
+    "SYMBOL": Message("a name"),
+    "VARIABLE": Message("a variable"),
+    "WORD": Message("the word of a condition"),
     "_NOT": "'not'",
     "_AND": "'and'",
     "_OR": "'or'",
@@ -168,7 +169,7 @@ _WORDS: Mapping[str, str] = {
     "_FOR_ALL": "'for all'",
     "_FORALL": "'forall'",
     "_EXISTS": "'exists'",
-    "$END": "the end",
+    "$END": Message("the end"),
 }
 
 
@@ -217,9 +218,9 @@ def _reason(error: UnexpectedInput) -> str:
     elif isinstance(error, UnexpectedCharacters):
         names = set(error.allowed or ())
     if {"WORD", "LPAR"} <= names:  # at the beginning of a condition
-        return "expected a condition such as InKit(Starter, kit_1)"
-    *most, last = sorted({_WORDS[name] for name in names if name in _WORDS}) or ["a condition"]
-    return f"expected {', '.join(most)}{' or ' if most else ''}{last}"
+        return Message("expected a condition such as InKit(Starter, kit_1)")
+    *most, last = sorted({_WORDS[name] for name in names if name in _WORDS}) or [Message("a condition")]
+    return Message("expected {words}", words=listed((joined(", ", most), last) if most else (last,), either=True))
 
 
 class _Common(Transformer[Token, Form]):

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.messages import Message, listed
 from skiros_py.planning.domain.pddl import NameMap
 from skiros_py.skills.conditions import Condition, ConditionType, all_of, any_of, exists, for_all
 from skiros_py.skills.conditions.compound import Junction, Quantified
@@ -50,9 +51,13 @@ def goal_of(parsed: Iterable[Form], view: WorldView, conditions: Mapping[str, Co
     number = sum(_work(condition, view) for condition in goal)
     if number > MOST_LOOKED_AT:
         raise UsageError(
-            f"the goal has to be looked at in {number} places to tell whether it holds, and {MOST_LOOKED_AT} are"
-            " allowed: each element that a quantifier stands for counts, in nested ones each combination of them;"
-            " choose narrower classes, or say it in several goals"
+            Message(
+                "the goal has to be looked at in {number} places to tell whether it holds, and {most} are allowed: each"
+                " element that a quantifier stands for counts, in nested ones each combination of them; choose narrower"
+                " classes, or say it in several goals",
+                number=number,
+                most=MOST_LOOKED_AT,
+            )
         )
     return goal
 
@@ -103,7 +108,9 @@ class Meaning:
             UsageError: It makes no sense.
         """
         if depth > DEEPEST:
-            raise UsageError(f"the goal is nested deeper than {DEEPEST} levels: say it in several conditions")
+            raise UsageError(
+                Message("the goal is nested deeper than {levels} levels: say it in several conditions", levels=DEEPEST)
+            )
         match form:
             case forms.Word():
                 return self._word(form, scope)
@@ -113,46 +120,70 @@ class Meaning:
                 return any_of(~self.of(premise, scope, depth + 1), self.of(then, scope, depth + 1))
             case forms.AllOf(parts=parts) | forms.AnyOf(parts=parts):
                 if not parts:
-                    raise UsageError(f"'{form.word}' joins nothing: give at least one condition")
+                    raise UsageError(Message("'{word}' joins nothing: give at least one condition", word=form.word))
                 conditions = [self.of(part, scope, depth + 1) for part in parts]
                 return (all_of if isinstance(form, forms.AllOf) else any_of)(*conditions)
             case forms.ForAll() | forms.Exists():
                 return self._quantified(form, scope, depth)
 
     def _quantified(self, form: forms.ForAll | forms.Exists, scope: _Scope, depth: int) -> Condition:
-        where = f"in '{form.quantifier} {form.variable}'"
+        name = form.variable
+        where = Message("in '{quantifier} {name}'", quantifier=form.quantifier, name=name)
         class_ = self._class_of(form.class_, ELEMENT)
         if class_ is None:
             raise UnknownName(
                 "class", form.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
             )
         if form.variable in scope:
-            raise UsageError(f"{where}: {form.variable} is bound already around it; call one of the two otherwise")
+            raise UsageError(
+                Message(
+                    "{where}: {name} is bound already around it; call one of the two otherwise", where=where, name=name
+                )
+            )
         if self._is_taken(form.variable):
-            raise UsageError(f"{where}: something else is called {form.variable}; call the variable otherwise")
+            raise UsageError(
+                Message("{where}: something else is called {name}; call the variable otherwise", where=where, name=name)
+            )
         inner = {**scope, form.variable: class_}
         part = self.of(form.holds, inner, depth + 1)
         make = for_all if isinstance(form, forms.ForAll) else exists
         try:
             return make(form.variable, class_, part)
         except DescriptionError as error:
-            raise UsageError(f"goal: {error}") from error
+            raise UsageError(Message("goal: {error}", error=error)) from error
 
     def _word(self, form: forms.Word, scope: _Scope) -> Condition:
         type_ = self._type(form.condition)
         if len(form.arguments) != len(type_.roles):
             roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
-            raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(form.arguments)}")
+            raise UsageError(
+                Message(
+                    "{condition} takes {count} arguments ({roles}), got {given}",
+                    condition=type_.name,
+                    count=len(type_.roles),
+                    roles=roles,
+                    given=len(form.arguments),
+                )
+            )
         return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(form.arguments)))
 
     def _argument(self, name: forms.Name, index: int, type_: ConditionType, scope: _Scope) -> str:
         role = type_.roles[index]
-        where = f"{type_.name}, argument {index + 1} ({role.name})"
+        where = Message(
+            "{condition}, argument {number} ({role})", condition=type_.name, number=index + 1, role=role.name
+        )
         if name.variable is not False and name.text in scope:
             return self._variable(name.text, scope[name.text], role.class_, where)
         if name.variable:
-            bound = ", ".join(f"?{variable}" for variable in scope) or "none is"
-            raise UsageError(f"{where}: no quantifier around it binds ?{name.text} (bound: {bound})")
+            bound = ", ".join(f"?{variable}" for variable in scope) or Message("none is")
+            raise UsageError(
+                Message(
+                    "{where}: no quantifier around it binds ?{name} (bound: {bound})",
+                    where=where,
+                    name=name.text,
+                    bound=bound,
+                )
+            )
         element = self._element(name.text, role.class_)
         if element is None:
             return self._class(name.text, index, type_, where, scope)
@@ -162,18 +193,40 @@ class Meaning:
     def _variable(self, variable: str, class_: str, wanted: str, where: str) -> str:
         if not class_ or self._view.ontology.is_a(class_, wanted):
             return variable
-        advice = f"say '{variable}: {local_name(wanted)}' where it is bound"
-        raise UsageError(f"{where}: {variable} is any {local_name(class_)}, not only a {local_name(wanted)}; {advice}")
+        raise UsageError(
+            Message(
+                "{where}: {name} is any {kind}, not only a {wanted}; say '{name}: {wanted}' where it is bound",
+                where=where,
+                name=variable,
+                kind=local_name(class_),
+                wanted=local_name(wanted),
+            )
+        )
 
     def _check_element(self, element: str, name: str, type_: ConditionType, wanted: str, where: str) -> None:
         ontology, class_ = self._view.ontology, self._view.element(element).type
         there = _some(self._view, wanted)
         if not ontology.is_a(class_, wanted):
             raise UsageError(
-                f"{where}: {name} is a {local_name(class_)}, not a {local_name(wanted)}. There is {there}."
+                Message(
+                    "{where}: {name} is a {kind}, not a {wanted}. There is {things}.",
+                    where=where,
+                    name=name,
+                    kind=local_name(class_),
+                    wanted=local_name(wanted),
+                    things=there,
+                )
             )
         if is_abstract(element) and not type_.abstract and ontology.is_a(wanted, SPATIAL_THING):
-            raise UsageError(f"{where}: {name} is abstract; {type_.name} needs one element of the scene: {there}.")
+            raise UsageError(
+                Message(
+                    "{where}: {name} is abstract; {condition} needs one element of the scene: {things}.",
+                    where=where,
+                    name=name,
+                    condition=type_.name,
+                    things=there,
+                )
+            )
 
     def _class(self, name: str, index: int, type_: ConditionType, where: str, scope: _Scope) -> str:
         wanted = type_.roles[index].class_
@@ -182,10 +235,17 @@ class Meaning:
             classes = self._view.ontology.subclasses(wanted) if type_.abstract else ()
             abstract = self._view.abstracts(wanted) if type_.abstract else ()
             known = (*scope, *self._view.instances(wanted), *map(local_name, (*classes, *abstract)))
-            raise UnknownName("element", name, known, where=f"in {where}")
+            raise UnknownName("element", name, known, where=Message("in {where}", where=where))
         if not type_.abstract:
-            there = _some(self._view, wanted)
-            raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {there}.")
+            raise UsageError(
+                Message(
+                    "{where}: {name} is a class; {condition} needs one element of the scene: {things}.",
+                    where=where,
+                    name=name,
+                    condition=type_.name,
+                    things=_some(self._view, wanted),
+                )
+            )
         return class_
 
     # ------------------------------------------------------------------ looking words up
@@ -197,7 +257,7 @@ class Meaning:
             UnknownName: There is none.
         """
         if word.casefold() not in self._words:
-            raise UnknownName("condition", word, self._conditions, where="in the goal")
+            raise UnknownName("condition", word, self._conditions, where=Message("in the goal"))
         return self._words[word.casefold()]
 
     @cached_property
@@ -219,7 +279,11 @@ class Meaning:
             return name
         named = [curie for curie in below if local_name(curie) == name]
         if len(named) > 1:
-            raise UsageError(f"{name} may be {' or '.join(named)}: write the one that is meant")
+            raise UsageError(
+                Message(
+                    "{name} may be {names}: write the one that is meant", name=name, names=listed(named, either=True)
+                )
+            )
         if above not in self._spelt_classes:
             self._spelt_classes[above] = NameMap(below)
         return named[0] if named else _back(self._spelt_classes[above], name)
@@ -267,7 +331,7 @@ class Meaning:
 def _some(view: WorldView, class_: str) -> str:
     """Names elements of a class; if there are very many, only the first."""
     there = view.instances(class_)
-    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
+    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or Message("none")
 
 
 _SHOWN = 20

@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from skiros_py.errors import WrongState
-from skiros_py.messages import Message, read_message
+from skiros_py.messages import Message, message_data, read_message
 from skiros_py.tasks.policy import Policy
 
 
@@ -218,11 +218,7 @@ def _read_text(value: Any, check: ValidatorFunctionWrapHandler) -> str:
     return value if isinstance(value, Message) else str(check(value))
 
 
-def _write_text(text: str) -> Any:
-    return text.data if isinstance(text, Message) else text
-
-
-Text = Annotated[str, WrapValidator(_read_text), PlainSerializer(_write_text, when_used="json")]
+Text = Annotated[str, WrapValidator(_read_text), PlainSerializer(message_data, when_used="json")]
 """A text for people; a message is stored with what it is made of."""
 
 

@@ -13,6 +13,7 @@ from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
+from skiros_py.messages import message_data, read_message
 from skiros_py.world.change import (
     Change,
     Edit,
@@ -96,7 +97,8 @@ def parts(edits: Sequence[Edit]) -> Iterator[Sequence[Edit]]:
 def encode_change(change: Change) -> list[str]:
     """Returns the texts of a change: the first has everything except the edits beyond the first piece."""
     first, *others = parts(change.edits)
-    return [_dump(replace(change, edits=tuple(first)).as_json()), *(encode_edits(part) for part in others)]
+    head = replace(change, edits=tuple(first)).as_json() | {"reason": message_data(change.reason)}
+    return [_dump(head), *(encode_edits(part) for part in others)]
 
 
 def encode_edits(edits: Sequence[Edit]) -> str:
@@ -116,7 +118,7 @@ def decode_change(text: str, others: Sequence[str] = ()) -> Change:
         return Change(
             data["number"],
             data["author"],
-            data["reason"],
+            read_message(data["reason"]),
             data["time"],
             tuple(with_rest),
             Writer(data["writer"]),
