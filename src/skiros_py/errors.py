@@ -41,7 +41,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from pathlib import Path
 
-from skiros_py.messages import Message, cut, joined
+from skiros_py.messages import Message, cut, joined, with_values
 
 
 def escaped(text: str) -> str:
@@ -53,7 +53,15 @@ def escaped(text: str) -> str:
 
 
 class SkirosError(Exception):
-    """Base of every error that this platform raises on purpose; its text is meant for the user."""
+    """Base of every error that this platform raises on purpose.
+
+    Args:
+        text: The text, meant for the user; with values the template of a :class:`~skiros_py.messages.Message`.
+        values: The values of its fields.
+    """
+
+    def __init__(self, text: object = "", /, **values: object) -> None:
+        super().__init__(with_values(text, values))
 
     def __reduce__(self) -> tuple[Callable[..., SkirosError], tuple[object, ...]]:
         # Faults travel from worker processes; their constructors take other arguments than the text in ``args``.

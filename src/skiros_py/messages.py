@@ -69,6 +69,11 @@ def message_data(text: str) -> dict[str, Any] | str:
     return text.data if isinstance(text, Message) else text
 
 
+def with_values(text: object, values: Mapping[str, object]) -> object:
+    """Returns the message of a template and its values; a text without values as it is."""
+    return Message(str(text), **values) if values else text
+
+
 def cut(text: str, most: int) -> str:
     """Returns at most so many characters of a text; a message that is short enough stays one."""
     return text if len(text) <= most else text[:most]

@@ -10,18 +10,23 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py import errors
+from skiros_py.errors import SkirosError
+
 ROOT = Path(__file__).parents[2]
 SOURCES = ("src", "primitives/src", "skills/src", "robots/src")
 GERMAN = json.loads((ROOT / "web/src/i18n/de/server.json").read_text())
+ERRORS = {name for name, class_ in vars(errors).items() if getattr(class_, "__init__", None) is SkirosError.__init__}
+"""Classes of errors that make a message of a template and values."""
 _FIELD = re.compile(r"\{(\w+):?[^{}]*\}")
 
 
 def _made(tree: ast.AST) -> Iterator[ast.expr]:
-    """Yields the templates of the calls that make messages: Message("…", …), or partial(Message, "…")."""
+    """Yields the templates of messages: of Message("…"), partial(Message, "…") and UsageError("…", x=x)."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             names = [word.id if isinstance(word, ast.Name) else "" for word in (node.func, *node.args)]
-            if names[:1] == ["Message"]:
+            if names[:1] == ["Message"] or (names[0] in ERRORS and node.keywords):
                 yield node.args[0]
             elif names[:2] == ["partial", "Message"]:
                 yield node.args[1]

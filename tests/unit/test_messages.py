@@ -6,7 +6,7 @@ import json
 import pickle
 
 from skiros_py.errors import UnknownName, WrongState
-from skiros_py.messages import Message, all_of, joined, listed, messages_in, read_message
+from skiros_py.messages import Message, all_of, cut, joined, listed, messages_in, read_message
 
 
 def test_a_message_is_its_english_text() -> None:
@@ -33,6 +33,19 @@ def test_a_message_outlives_errors_pickling_and_str() -> None:
     text = Message("job '{job}' is over", job="kit")
     assert str(WrongState(text)) is text
     assert pickle.loads(pickle.dumps(WrongState(text))).args[0].data == text.data
+
+
+def test_an_error_of_a_template_and_values_is_a_message() -> None:
+    error = WrongState("job '{job}' is over", job="kit")
+    assert str(error) == "job 'kit' is over"
+    assert error.args[0].data == {"template": "job '{job}' is over", "values": {"job": "kit"}}
+    assert str(WrongState("{as it is}")) == "{as it is}"
+
+
+def test_a_text_is_cut_and_a_short_message_stays_one() -> None:
+    text = Message("{part} is lost", part="ball_1")
+    assert cut(text, 100) is text
+    assert cut(text, 4) == "ball"
 
 
 def test_a_message_says_what_its_values_were_when_it_was_made() -> None:

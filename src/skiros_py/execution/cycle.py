@@ -96,11 +96,9 @@ class ControlCycle:
         task = Task(generator, self.board, name, clock, self._ended.append)
         if self.halted:
             raise UsageError(
-                Message(
-                    "{name} cannot start: everything was halted ({halted}); reset the robots first",
-                    name=task.name,
-                    halted=self.halted,
-                )
+                "{name} cannot start: everything was halted ({halted}); reset the robots first",
+                name=task.name,
+                halted=self.halted,
             )
         self._places -= 1
         (self._tasks if self._places >= 0 else self._later).append(task)

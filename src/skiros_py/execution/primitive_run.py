@@ -115,7 +115,7 @@ class PrimitiveRun(ModuleRun):
         values = self._values = complete(world, params, given, scope.agent)
         open_ = missing(params, values)
         if open_:
-            raise UsageError(Message("{keys}: not specified", keys=", ".join(open_)))
+            raise UsageError("{keys}: not specified", keys=", ".join(open_))
         devices = {} if cls.watches else devices_of(world, params, cls.takes, values)  # one that watches takes nothing
         claim = self._claim = self._take(cls.name, devices, scope.claim)
         self._calls = replace(self._calls, claim=claim)

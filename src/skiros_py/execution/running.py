@@ -70,7 +70,7 @@ class BehaviourRun(ModuleRun):
             return
         values = read_arguments(params, self._arguments, self._scope.context.world)
         if open_ := missing(params, values):
-            raise UsageError(Message("{keys}: not specified", keys=", ".join(open_)))
+            raise UsageError("{keys}: not specified", keys=", ".join(open_))
         self._arguments.update(values)
 
     def leave(self) -> bool:
@@ -145,7 +145,7 @@ class RunningModule:
         """
         task = self.task
         if not task.done:
-            raise UsageError(Message("{name} still runs", name=self.name))
+            raise UsageError("{name} still runs", name=self.name)
         if task.fault is not None:
             return Failure(Message("{name} broke: {fault}", name=self.name, fault=task.fault), BROKEN)
         if task.stopped or task.stopping:

@@ -22,7 +22,6 @@ from skiros_py.execution.skill_manager import CellModules, SkillManager
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.interruptions import WatchedTask
 from skiros_py.listeners import Listeners
-from skiros_py.messages import Message
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
@@ -89,7 +88,7 @@ class Managers(Mapping[str, SkillManager]):
         """
         view = self._cell.context.world
         if agent in self._managers and not self._managers[agent].lost:
-            raise UsageError(Message("the skill manager of {agent} is there already", agent=agent))
+            raise UsageError("the skill manager of {agent} is there already", agent=agent)
         if not view.ontology.is_a(view.element(agent).type, AGENT):
             raise UsageError(f"{agent} is a {view.element(agent).type}, and only an {AGENT} has a skill manager")
         if agent in self._managers:
@@ -363,9 +362,7 @@ class Runtime:
         """
         if self.cycle.halted:
             raise WrongState(
-                Message(
-                    "nothing can start: everything was halted ({halted}); look, then reset()", halted=self.cycle.halted
-                )
+                "nothing can start: everything was halted ({halted}); look, then reset()", halted=self.cycle.halted
             )
 
     def __enter__(self) -> Self:

@@ -12,7 +12,6 @@ from typing import Any
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.execution.module_faults import off_words
-from skiros_py.messages import Message
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
 from skiros_py.ports.device_kinds import load_device_kinds
@@ -211,12 +210,10 @@ class Signals:
         provider = self._of[name].provider if name in self._of else None
         if not isinstance(provider, Input):
             raise UsageError(
-                Message(
-                    "signal '{name}' comes from {source}: only inputs can be set", name=name, source=self.source(name)
-                )
+                "signal '{name}' comes from {source}: only inputs can be set", name=name, source=self.source(name)
             )
         if (wrong := _wrong(value, provider.provides[0])) is not None:
-            raise UsageError(Message("signal '{name}': {wrong}", name=name, wrong=wrong))
+            raise UsageError("signal '{name}': {wrong}", name=name, wrong=wrong)
         self._set[name] = value
 
     def update(self) -> None:

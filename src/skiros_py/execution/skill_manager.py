@@ -275,14 +275,10 @@ class SkillManager:
             UsageError: The module runs already, the manager is lost, or everything was stopped and not reset.
         """
         if self.lost:
-            raise UsageError(Message("the skill manager of {agent} is lost: {lost}", agent=self.agent, lost=self.lost))
+            raise UsageError("the skill manager of {agent} is lost: {lost}", agent=self.agent, lost=self.lost)
         if module in self._running:
             raise UsageError(
-                Message(
-                    "{module} of {agent} is running already: wait for its end, or stop it",
-                    module=module,
-                    agent=self.agent,
-                )
+                "{module} of {agent} is running already: wait for its end, or stop it", module=module, agent=self.agent
             )
         self._prepare(module, {}, set())
         clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
@@ -312,7 +308,7 @@ class SkillManager:
         """
         self._kind(module)
         if module in self._running:
-            raise UsageError(Message("{module} of {agent} is running: stop it first", module=module, agent=self.agent))
+            raise UsageError("{module} of {agent} is running: stop it first", module=module, agent=self.agent)
         self._loader.reset(module, self._context)
 
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:

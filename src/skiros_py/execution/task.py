@@ -8,7 +8,6 @@ from typing import Any, Generic, TypeVar
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.module_faults import words
 from skiros_py.interruptions import CycleOverrun, by_user
-from skiros_py.messages import Message
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.context import Clock
 
@@ -181,7 +180,7 @@ class Task(Generic[T]):
         if self.fault is not None:
             raise ModuleError(f"{self.name}: {_words(self.fault)}") from self.fault
         if self.aborted and self.reason:
-            raise ModuleError(Message("{name} was stopped: {reason}", name=self.name, reason=self.reason))
+            raise ModuleError("{name} was stopped: {reason}", name=self.name, reason=self.reason)
         if not self.done or self.aborted:
             raise RuntimeError("a task has a result only after it ended by itself")
         return self._result  # type: ignore[return-value]  # T may include None

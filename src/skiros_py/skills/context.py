@@ -19,7 +19,6 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.listeners import Listeners
-from skiros_py.messages import Message
 from skiros_py.ports.adapters import Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
@@ -206,12 +205,10 @@ class Questions:
             raise UnknownName("question", str(number), [str(n) for n in self._open])
         if answer not in asked.question.options:
             raise UsageError(
-                Message(
-                    "question {number}: answer one of {answers}, not '{given}'",
-                    number=number,
-                    answers=", ".join(asked.question.options),
-                    given=answer,
-                )
+                "question {number}: answer one of {answers}, not '{given}'",
+                number=number,
+                answers=", ".join(asked.question.options),
+                given=answer,
             )
         self._open.pop(number, None)
         asked.by = by

@@ -175,11 +175,9 @@ class DocumentService(Service):
             require_seen(seen, before.version)
         elif len(self._store.all(kind)) >= _MOST:
             raise WrongState(
-                Message(
-                    "there are {count} documents of kind {kind} already: remove some that are not needed",
-                    count=_MOST,
-                    kind=kind,
-                )
+                "there are {count} documents of kind {kind} already: remove some that are not needed",
+                count=_MOST,
+                kind=kind,
             )
         module, maker = _module(kind, id_), self._kind(kind)
         _require_plain(data, module)

@@ -350,16 +350,12 @@ class Session(AbstractContextManager["Session"]):
             raise UnknownName("skill manager", agent, self.managers)
         manager = self.who_runs(module) if agent is None else self.managers[agent]
         if manager.lost:
-            raise WrongState(
-                Message("the skill manager of {agent} is lost: {lost}", agent=manager.agent, lost=manager.lost)
-            )
+            raise WrongState("the skill manager of {agent} is lost: {lost}", agent=manager.agent, lost=manager.lost)
         if module in manager.running:
             raise WrongState(
-                Message(
-                    "{module} of {agent} is running already: wait for its end, or stop it",
-                    module=module,
-                    agent=manager.agent,
-                )
+                "{module} of {agent} is running already: wait for its end, or stop it",
+                module=module,
+                agent=manager.agent,
             )
         return manager.start(module, arguments)
 
@@ -444,9 +440,7 @@ class Session(AbstractContextManager["Session"]):
             raise UsageError("the session is closed")
         if not self.spec.robots and not self.managers:
             iri = "https://w3id.org/skiros-py/robots/mobile_panda"
-            raise UsageError(
-                Message("scene '{scene}' has no robot: import one, such as <{iri}>", scene=self.scene, iri=iri)
-            )
+            raise UsageError("scene '{scene}' has no robot: import one, such as <{iri}>", scene=self.scene, iri=iri)
         return self._read_goal(goal)
 
     def _read_goal(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
@@ -459,10 +453,8 @@ class Session(AbstractContextManager["Session"]):
             raise UsageError(Message("the goal is empty: nothing is wanted"))
         if not conditions:
             raise UsageError(
-                Message(
-                    "scene '{scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'",
-                    scene=self.scene,
-                )
+                "scene '{scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'",
+                scene=self.scene,
             )
         return conditions
 

@@ -215,7 +215,7 @@ class Stops:
             try:
                 session.reset()
             except SkirosError as error:
-                raise WrongState(Message("not yet: {error}", error=error)) from None
+                raise WrongState("not yet: {error}", error=error) from None
             self._forget()
             return True
 
@@ -224,7 +224,7 @@ class Stops:
             try:
                 self._control.reopen()
             except SkirosError as error:
-                raise WrongState(Message("the station cannot be opened again: {error}", error=error)) from None
+                raise WrongState("the station cannot be opened again: {error}", error=error) from None
         done = self._control.call(do, urgent=True)
         if done or failed:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})

@@ -359,7 +359,7 @@ class Dispatcher:
         managers, task = self._context.managers, self._task.name
         try:
             if run.agent not in managers:
-                raise UsageError(Message("the skill manager of {agent} is gone", agent=run.agent))
+                raise UsageError("the skill manager of {agent} is gone", agent=run.agent)
             parent = step_id(task, run.number)
             running = managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
         except UsageError as refusal:

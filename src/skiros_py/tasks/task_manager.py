@@ -212,7 +212,7 @@ class TaskManager:
             UsageError: A task of that name is running.
         """
         if name in self._active:
-            raise UsageError(Message("a task named '{name}' is under way already", name=name))
+            raise UsageError("a task named '{name}' is under way already", name=name)
         taken = self._active
         name = name or next(free for n in self._names if (free := f"task {n}") not in taken)
         trace = Trace(name, lambda: self._context.now, self._context.monitor)

@@ -80,7 +80,7 @@ class Locks:
         names = _names(elements)
         unknown = [element for element in names if not self._known(element)]
         if unknown:
-            raise UsageError(Message("there is nothing to lock by the name of {names}", names=", ".join(unknown)))
+            raise UsageError("there is nothing to lock by the name of {names}", names=", ".join(unknown))
         with self._guard:
             fault = self._fault([*names, *sorted({*self._related(names)}.difference(names))], owner)
             if fault is not None:

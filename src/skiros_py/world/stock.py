@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from skiros_py.errors import WorldError
-from skiros_py.messages import Message
 from skiros_py.world.element import Element, Placement
 from skiros_py.world.names import local_name
 from skiros_py.world.overlay import Overlay
@@ -99,7 +98,7 @@ def take(tx: Transaction, token: str) -> str:
     name = token.partition(_MARK)[0]
     stock = _stock(tx.view, name) if tx.view.has(name) else None
     if stock is None:
-        raise WorldError(Message("nothing is left of stock {name}", name=name))
+        raise WorldError("nothing is left of stock {name}", name=name)
     tx.set(stock.id, STOCK_COUNT, stock.count - 1)
     return tx.add(stock.class_, placement=stock.placement)
 

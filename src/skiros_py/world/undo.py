@@ -33,10 +33,8 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
     )
     if last is None:
         raise WorldError(
-            Message(
-                "there is nothing to undo: no edit by a person since change {first} that was not undone already",
-                first=world.log.first,
-            )
+            "there is nothing to undo: no edit by a person since change {first} that was not undone already",
+            first=world.log.first,
         )
     return _revert(
         world, last, Message("undoes change {number}: {reason}", number=last.number, reason=last.reason), author, holder
@@ -85,12 +83,10 @@ def _revert(world: World, change: Change, reason: str, author: str, holder: str)
         tx.apply([edit.inverse() for edit in reversed(change.edits)])
     if tx.change is None:
         raise WorldError(
-            Message(
-                "change {number} ({author}: {reason}) has no effect left that could be undone",
-                number=change.number,
-                author=change.author,
-                reason=change.reason,
-            )
+            "change {number} ({author}: {reason}) has no effect left that could be undone",
+            number=change.number,
+            author=change.author,
+            reason=change.reason,
         )
     return tx.change
 
@@ -101,25 +97,21 @@ def _check(change: Change, later: Sequence[Change]) -> None:
     undone = {c.undoes for c in later if c.number not in reverted}
     if change.number in undone:
         raise WorldError(
-            Message(
-                "change {number} ({author}: {reason}) was just undone by somebody else",
-                number=change.number,
-                author=change.author,
-                reason=change.reason,
-            )
+            "change {number} ({author}: {reason}) was just undone by somebody else",
+            number=change.number,
+            author=change.author,
+            reason=change.reason,
         )
     standing = [c for c in later if c.undoes is None and c.number not in undone]
     if standing:
         first = standing[0]
         names = ", ".join(sorted(first.marks() & change.marks())) or "the goals"
         raise WorldError(
-            Message(
-                "change {number} ({author}: {reason}) cannot be undone: {names} changed since, by {other} ({why})",
-                number=change.number,
-                author=change.author,
-                reason=change.reason,
-                names=names,
-                other=first.author,
-                why=first.reason,
-            )
+            "change {number} ({author}: {reason}) cannot be undone: {names} changed since, by {other} ({why})",
+            number=change.number,
+            author=change.author,
+            reason=change.reason,
+            names=names,
+            other=first.author,
+            why=first.reason,
         )

@@ -266,7 +266,7 @@ class World(WorldView):
                 raise Locked(Message("refused: {why}", why=locked), locked.locks)
         vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
         if vetoes:
-            raise WorldError(Message("refused: {why}", why=joined("; ", vetoes)))
+            raise WorldError("refused: {why}", why=joined("; ", vetoes))
 
     def _notify(self) -> None:
         with self._notify_lock:

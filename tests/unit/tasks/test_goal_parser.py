@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import GoalSyntaxError, UnknownName, UsageError
+from skiros_py.messages import messages_in
 from skiros_py.skills.conditions import Condition, all_of, any_of, exists, for_all
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_world
@@ -324,3 +325,22 @@ def test_a_class_that_stands_for_very_many_elements_counts() -> None:
 
     with pytest.raises(UsageError, match="has to be looked at in 2100 places"):
         parse_goal([wanted], world, CONDITIONS)
+
+
+@pytest.mark.parametrize(
+    ("text", "template"),
+    [
+        ("In(ball_1", "goal, column {column}: {reason}"),
+        ("In(ball_1)", "{condition} takes {count} arguments ({roles}), got {given}"),
+        ("At(robot_1, ball_1)", "{where}: {name} is a {kind}, not a {wanted}. There is {things}."),
+    ],
+)
+def test_what_is_wrong_with_a_goal_can_be_said_in_other_languages(text: str, template: str) -> None:
+    with pytest.raises(UsageError) as wrong:
+        parse(text)
+
+    said = messages_in(wrong.value.args)[str(wrong.value)]
+    assert template in (
+        said["template"],
+        *(one["template"] for one in said["values"].values() if isinstance(one, dict)),
+    )

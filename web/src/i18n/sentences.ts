@@ -61,7 +61,7 @@ function word(name: string, value: unknown): string {
   const text = String(value);
   if (NUMBER.test(text)) return text.replace(".", i18n.language === "de" ? "," : ".");
   const terms: Record<string, string> = i18n.t("terms", { returnObjects: true });
-  return TERMS.has(name) ? (terms[camelCase(text)] ?? text) : text;
+  return TERMS.has(name) ? (terms[camelCase(text.replace(/^\w+:/, ""))] ?? text) : text;
 }
 
 /** The label of a relation or property as its name: "held by" becomes "heldBy". */

@@ -107,7 +107,7 @@ function TaskReport({ task: { report } }: { task: Schema<"TaskInfo"> }) {
       </Section>
       {report.no_plan.map((reason) => (
         <Text key={reason} size="sm">
-          {reason}
+          {said(reason)}
         </Text>
       ))}
     </Stack>

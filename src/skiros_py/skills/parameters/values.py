@@ -298,9 +298,7 @@ def refusal(param: Param, value: Any, noun: str = "parameter", why: str = "") ->
 def _element(param: Param, value: Any, view: WorldView, what: str) -> str:
     class_ = param.element_class
     if not isinstance(value, str):
-        raise UsageError(
-            Message("{what} takes the id of a {kind}, not {given}", what=what, kind=class_, given=shown(value))
-        )
+        raise UsageError("{what} takes the id of a {kind}, not {given}", what=what, kind=class_, given=shown(value))
     name = value if view.has(value) else _labelled(param, value, view, what)
     type_ = view.element(name).type
     if not view.ontology.is_a(type_, class_):
@@ -308,14 +306,12 @@ def _element(param: Param, value: Any, view: WorldView, what: str) -> str:
         things = ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
         there = Message("There are {things}.", things=things) if names else Message("There is none.")
         raise UsageError(
-            Message(
-                "{what} takes a {kind}, and {thing} is a {other}. {hint}",
-                what=what,
-                kind=class_,
-                thing=name,
-                other=type_,
-                hint=there,
-            )
+            "{what} takes a {kind}, and {thing} is a {other}. {hint}",
+            what=what,
+            kind=class_,
+            thing=name,
+            other=type_,
+            hint=there,
         )
     return name
 
@@ -328,12 +324,10 @@ def _labelled(param: Param, label: str, view: WorldView, what: str) -> str:
         return found[0]
     if found:
         raise UsageError(
-            Message(
-                "{what}: {things} are all called {label}: say which",
-                what=what,
-                things=", ".join(found[:20]),
-                label=shown(label),
-            )
+            "{what}: {things} are all called {label}: say which",
+            what=what,
+            things=", ".join(found[:20]),
+            label=shown(label),
         )
     raise UnknownName(
         "element", label, names, where=Message("for {what}, a {kind}", what=what, kind=param.element_class)
@@ -370,7 +364,7 @@ def read_arguments(
                 raise UnknownName(noun, key, by_key)
             if by_key[key].kind is Kind.CONFIG:
                 raise UsageError(
-                    Message("parameter {key} is fixed when the module is loaded: it cannot be given at a call", key=key)
+                    "parameter {key} is fixed when the module is loaded: it cannot be given at a call", key=key
                 )
             values[key] = read_value(by_key[key], value, view, noun)
         except UsageError as fault:

@@ -11,7 +11,6 @@ from typing import Any
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmKind, AlarmPage, Severity
 from skiros_py.api.wire import moment
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
-from skiros_py.messages import Message
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.session import Session
@@ -168,16 +167,14 @@ class Alarms:
         """
         alarm = self.get(id_)
         if not alarm.active:
-            raise WrongState(Message("alarm {alarm} is over: it waits for no answer any more", alarm=id_))
+            raise WrongState("alarm {alarm} is over: it waits for no answer any more", alarm=id_)
         if not alarm.choices:
-            raise WrongState(Message("alarm {alarm} asks nothing: acknowledge it", alarm=id_))
+            raise WrongState("alarm {alarm} asks nothing: acknowledge it", alarm=id_)
         if question is not None and question != alarm.question:
             raise WrongState(
-                Message(
-                    "alarm {alarm} does not wait for the answer to question {question} (any more)",
-                    alarm=id_,
-                    question=question,
-                )
+                "alarm {alarm} does not wait for the answer to question {question} (any more)",
+                alarm=id_,
+                question=question,
             )
         if answer not in alarm.choices:
             raise UnknownName("answer", answer, alarm.choices, where=f"of alarm {id_}")
@@ -194,13 +191,11 @@ class Alarms:
         job = jobs.open.get(job_id)  # before the alarm, which is then of this version or a later one
         now = self.require_choice(id_, answer.answer, answer.question)
         if job is None or job.question != now.question:
-            raise WrongState(
-                Message("job '{job}' does not wait for that answer any more: look what it asks now", job=job_id)
-            )
+            raise WrongState("job '{job}' does not wait for that answer any more: look what it asks now", job=job_id)
         try:
             jobs.answer(job_id, answer.answer, by=by, expects=job.version)
         except StaleVersion:
-            raise WrongState(Message("job '{job}' has gone on meanwhile: look what it asks now", job=job_id)) from None
+            raise WrongState("job '{job}' has gone on meanwhile: look what it asks now", job=job_id) from None
 
     def _answer_question(self, id_: str, answer: AlarmAnswer, by: str) -> None:
         """Gives an answer to a robot.
@@ -214,7 +209,7 @@ class Alarms:
         try:
             self._session().questions.answer(now.question, answer.answer, by=by)
         except UnknownName as error:
-            raise WrongState(Message("the question is not open any more: {error}", error=error)) from None
+            raise WrongState("the question is not open any more: {error}", error=error) from None
 
     # ------------------------------------------------------------------ keeping
 

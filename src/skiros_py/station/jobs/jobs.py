@@ -143,9 +143,7 @@ class JobService(Service):
 
         def read() -> Submission | OrderResult:
             if order.id not in (None, id_):
-                raise UsageError(
-                    Message("the order has the id '{job}', and the address '{address}'", job=order.id, address=id_)
-                )
+                raise UsageError("the order has the id '{job}', and the address '{address}'", job=order.id, address=id_)
             jobs = self._jobs
             known = jobs.find(id_)
             if known is None and replaces:
@@ -258,16 +256,14 @@ class JobService(Service):
             return _view(jobs.answer(id_, answer.answer, by=author.name, expects=expects))
         if now.question != answer.question:
             raise WrongState(
-                Message(
-                    "job '{job}' does not wait for the answer to question {question} (any more)",
-                    job=id_,
-                    question=answer.question,
-                )
+                "job '{job}' does not wait for the answer to question {question} (any more)",
+                job=id_,
+                question=answer.question,
             )
         try:
             return _view(jobs.answer(id_, answer.answer, by=author.name, expects=now.version))
         except StaleVersion:
-            raise WrongState(Message("job '{job}' has gone on meanwhile: look what it asks now", job=id_)) from None
+            raise WrongState("job '{job}' has gone on meanwhile: look what it asks now", job=id_) from None
 
     # ------------------------------------------------------------------ reading
 

@@ -52,12 +52,10 @@ def _check_length(what: str, number: int) -> None:
     """Refuses values so long that they would fill memory, disk and every answer."""
     if number > LONGEST:
         raise UsageError(
-            Message(
-                "{what} has {number} bytes, and {longest} are allowed: order it in several jobs",
-                what=what,
-                number=number,
-                longest=LONGEST,
-            )
+            "{what} has {number} bytes, and {longest} are allowed: order it in several jobs",
+            what=what,
+            number=number,
+            longest=LONGEST,
         )
 
 
@@ -73,7 +71,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
         UsageError: The id is not valid.
     """
     if id_ in _NO_IDS:
-        raise UsageError(Message("'{job}' cannot be the id of a job: it means something else in an address", job=id_))
+        raise UsageError("'{job}' cannot be the id of a job: it means something else in an address", job=id_)
     if not id_.isprintable():  # such as a character that reverses the order of those that follow
         raise UsageError(f"id: {_ID}")
     try:

@@ -77,7 +77,7 @@ def _text(form: Form, variables: frozenset[str], depth: int) -> str:
     """Returns the text of a condition; everything joined or negated is in parentheses."""
     if depth > _DEEPEST:
         raise UsageError(
-            Message("the goal is nested deeper than {levels} levels: say it in several conditions", levels=_DEEPEST)
+            "the goal is nested deeper than {levels} levels: say it in several conditions", levels=_DEEPEST
         )
     match form:
         case forms.Word(condition=word, arguments=arguments):
@@ -90,9 +90,7 @@ def _text(form: Form, variables: frozenset[str], depth: int) -> str:
             return f"({_text(premise, variables, depth + 1)}) implies ({_text(then, variables, depth + 1)})"
         case forms.ForAll(variable=variable, holds=holds) | forms.Exists(variable=variable, holds=holds):
             if not _VARIABLE.fullmatch(variable):
-                raise UsageError(
-                    Message("'{name}' cannot be a variable: letters, digits and _ only", name=variable[:100])
-                )
+                raise UsageError("'{name}' cannot be a variable: letters, digits and _ only", name=variable[:100])
             inner = _text(holds, variables | {variable}, depth + 1)
             return f"{form.quantifier} {variable}: {_name(form.class_)} ({inner})"
 
@@ -100,7 +98,7 @@ def _text(form: Form, variables: frozenset[str], depth: int) -> str:
 def _word(word: str) -> str:
     if not forms.PLAIN.fullmatch(word):
         raise UsageError(
-            Message("unknown condition '{name}' in the goal: a word consists of letters, digits and _", name=word[:100])
+            "unknown condition '{name}' in the goal: a word consists of letters, digits and _", name=word[:100]
         )
     return word
 
@@ -140,9 +138,7 @@ def filled(
     goal = [_replaced(one, values, {}) for one in template.goal]
     if template.per_material is None:
         if materials:
-            raise UsageError(
-                Message("materials: goal template '{name}' says nothing of materials; leave them out", name=name)
-            )
+            raise UsageError("materials: goal template '{name}' says nothing of materials; leave them out", name=name)
         return goal
     _check_number(name, template.per_material, materials)
     pieces = [_replaced(template.per_material, values, piece) for piece in _pieces(materials)]
@@ -179,9 +175,7 @@ def _values(name: str, template: GoalTemplateContent, parameters: Mapping[str, s
     values = {key: parameters.get(key, default) for key, default in known.items()}
     missing = [key for key, value in values.items() if value is None]
     if missing:
-        raise UsageError(
-            Message("parameters: goal template '{name}' needs {things}", name=name, things=", ".join(missing))
-        )
+        raise UsageError("parameters: goal template '{name}' needs {things}", name=name, things=", ".join(missing))
     return {key: value for key, value in values.items() if value is not None}
 
 
@@ -197,7 +191,7 @@ def _check_number(name: str, condition: object, materials: Sequence[Material]) -
     """Checks that the material does not produce too many conditions, before producing any."""
     number = sum(material.pieces for material in materials)
     if number > _MOST:
-        raise UsageError(Message("materials: more than {most} pieces in one order", most=_MOST))
+        raise UsageError("materials: more than {most} pieces in one order", most=_MOST)
     if number * _size(condition) > _MOST_MADE:
         raise UsageError(
             f"materials: goal template '{name}' is too large for {number} pieces in one order; for"
@@ -228,9 +222,7 @@ def _check_pieces(name: str, pieces: list[Any]) -> None:
     """Checks that each piece has its own condition: two identical ones would be fulfilled by one piece."""
     if not pieces:
         raise UsageError(
-            Message(
-                "materials: goal template '{name}' makes a condition of each material, and none is ordered", name=name
-            )
+            "materials: goal template '{name}' makes a condition of each material, and none is ordered", name=name
         )
     seen = set()
     for piece in pieces:
@@ -251,9 +243,7 @@ def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, s
             return parameters[key]
         case {"material": str(field)} if len(data) == 1:
             if not material[field]:
-                raise UsageError(
-                    Message("materials: the goal template needs the {field} of each material", field=field)
-                )
+                raise UsageError("materials: the goal template needs the {field} of each material", field=field)
             return material[field]
         case dict():
             return {key: _replaced(value, parameters, material) for key, value in data.items()}

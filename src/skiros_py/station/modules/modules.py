@@ -40,16 +40,14 @@ class ModuleService(Service):
             with addressed("UnknownAgent"):
                 session.world.element(agent)
             if agent in session.managers and not session.managers[agent].lost:
-                raise WrongState(Message("the skill manager of {agent} is open already", agent=agent))
+                raise WrongState("the skill manager of {agent} is open already", agent=agent)
             agents = agents_of(session.world, session.spec)
             if agent not in agents:
                 known = ", ".join(agents) or Message("none")
                 raise UsageError(
-                    Message(
-                        "{agent} belongs to no robot of this session and is no device that acts; there is {known}",
-                        agent=agent,
-                        known=known,
-                    )
+                    "{agent} belongs to no robot of this session and is no device that acts; there is {known}",
+                    agent=agent,
+                    known=known,
                 )
             session.managers.open(agent)
             return views.manager(session, session.managers[agent])
@@ -72,11 +70,9 @@ class ModuleService(Service):
             running = _manager(session, agent).running
             if running and not force:
                 raise WrongState(
-                    Message(
-                        "{agent} runs {running}: stop that first, or force it",
-                        agent=agent,
-                        running=", ".join(sorted(running)),
-                    )
+                    "{agent} runs {running}: stop that first, or force it",
+                    agent=agent,
+                    running=", ".join(sorted(running)),
                 )
             session.managers.close(agent)
 
@@ -145,7 +141,7 @@ class ModuleService(Service):
         def do(session: Session) -> None:
             manager = _manager(session, agent, module)
             if module in manager.running:
-                raise WrongState(Message("{module} of {agent} is running: stop it first", module=module, agent=agent))
+                raise WrongState("{module} of {agent} is running: stop it first", module=module, agent=agent)
             manager.reset(module)
 
         self._call(do)

@@ -137,13 +137,11 @@ class ModuleRun:
                 return
         elif self.over or self.status == "stopping":
             raise WrongState(
-                Message(
-                    "run {run} of {module} is {status}: it takes no {verb}",
-                    run=self.id,
-                    module=self.wish.module,
-                    status=self.status,
-                    verb=verb,
-                )
+                "run {run} of {module} is {status}: it takes no {verb}",
+                run=self.id,
+                module=self.wish.module,
+                status=self.status,
+                verb=verb,
             )
         self.stop_wanted = self.stop_wanted or verb == "stop"
         getattr(self.running, verb)()

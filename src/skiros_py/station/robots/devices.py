@@ -78,9 +78,9 @@ class DeviceService(Service):
             with session.managers.claims.request("closing it", {id_}) as claim:
                 users = claim.waits_for()
             if users:
-                raise WrongState(Message("{users} is in use: stop that first", users=", ".join(users)))
+                raise WrongState("{users} is in use: stop that first", users=", ".join(users))
             if not board.stand({id_}):
-                raise WrongState(Message("{device} moves: wait until it stands still", device=id_))
+                raise WrongState("{device} moves: wait until it stands still", device=id_)
             board.closed.add(id_)
             return connection if connection is not None and connection.devices.keys() <= board.closed else None
 
@@ -157,12 +157,7 @@ class DeviceService(Service):
             names: tuple[str, ...] = getattr(spec, verb)
             if not names:
                 raise UsageError(
-                    Message(
-                        "{device}: devices of kind '{kind}' have no module to {verb}",
-                        device=id_,
-                        kind=spec.kind,
-                        verb=verb,
-                    )
+                    "{device}: devices of kind '{kind}' have no module to {verb}", device=id_, kind=spec.kind, verb=verb
                 )
             if module is not None and module not in names:
                 raise UnknownName("module", module, names, where=f"to {verb} {id_}")
@@ -170,22 +165,15 @@ class DeviceService(Service):
             agent = _agent(session, id_, name)
             if agent is None:
                 raise UsageError(
-                    Message(
-                        "no subsystem that could {verb} {device} has the module {name}",
-                        verb=verb,
-                        device=id_,
-                        name=name,
-                    )
+                    "no subsystem that could {verb} {device} has the module {name}", verb=verb, device=id_, name=name
                 )
             if id_ in session.cycle.board.closed:
-                raise WrongState(Message("{device} is closed: open it first", device=id_))
+                raise WrongState("{device} is closed: open it first", device=id_)
             if busy := _busy(session, agent):
                 raise WrongState(
-                    Message(
-                        "{device} cannot be moved by hand, {busy} is active: wait, or pause or stop that",
-                        device=id_,
-                        busy=busy,
-                    )
+                    "{device} cannot be moved by hand, {busy} is active: wait, or pause or stop that",
+                    device=id_,
+                    busy=busy,
                 )
             arguments = {**given, **_device_parameter(session, agent, name, id_, given)}
             return self._station.module_runs.start(session, Wish(agent, name, arguments, author.name, at_once=True))
@@ -269,9 +257,7 @@ def _device_parameter(
         if param.is_element and view.ontology.is_a(type_, param.element_class):
             if given.get(param.key) not in (None, device):
                 raise UsageError(
-                    Message(
-                        "{key}: it is {device} here, not {given}", key=param.key, device=device, given=given[param.key]
-                    )
+                    "{key}: it is {device} here, not {given}", key=param.key, device=device, given=given[param.key]
                 )
             return {param.key: device}
     return {}

@@ -63,7 +63,7 @@ def load(
         if not before:
             raise
         raise UsageError(
-            Message("the station cannot be brought up in that scene, and is in the old one: {error}", error=error)
+            "the station cannot be brought up in that scene, and is in the old one: {error}", error=error
         ) from error
 
 
@@ -109,9 +109,7 @@ def require_rest(session: Session) -> None:
     held = next((job.id for job in session.jobs.open.values() if job.state.has_begun), None)
     if held is not None:
         raise WrongState(
-            Message(
-                "job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed", held=held
-            )
+            "job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed", held=held
         )
 
 

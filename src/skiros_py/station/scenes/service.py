@@ -164,7 +164,7 @@ class SceneService(Service):
             parse_goal(scene.goals, scene, session.catalogue.conditions)
             check_scene(session, scene)
         except DescriptionError as error:
-            raise UsageError(Message("the station cannot be brought up in that scene: {error}", error=error)) from error
+            raise UsageError("the station cannot be brought up in that scene: {error}", error=error) from error
         version = None if seen is None else seen.version
         load(station.control, station.data, scene, author=author.name, holder=author.holder, seen=version)
         return self.current()

@@ -201,7 +201,7 @@ class Simulation:
                 check_reopening(session)
             except (DescriptionError, UsageError) as error:
                 raise WrongState(
-                    Message("nothing was reset, for what is believed cannot be brought up: {error}", error=error)
+                    "nothing was reset, for what is believed cannot be brought up: {error}", error=error
                 ) from None
 
         self._control.reopen(prepare)
@@ -386,19 +386,15 @@ def _require_simulated_time(session: Session) -> None:
 def _require_free(cell: SimulatedCell, body: str) -> None:
     if body in cell.scene.compartments:
         raise WrongState(
-            Message(
-                "'{name}' is a region of {whole}, and moves with it only",
-                name=body,
-                whole=cell.scene.compartments[body][0].place,
-            )
+            "'{name}' is a region of {whole}, and moves with it only",
+            name=body,
+            whole=cell.scene.compartments[body][0].place,
         )
     there = cell.scene.bodies.get(body)
     if there is None:
         raise UnknownName("body", body, cell.scene.bodies)
     if there.carrier is not None:
-        raise WrongState(
-            Message("'{name}' is bolted to {whole}, and moves with it only", name=body, whole=there.carrier)
-        )
+        raise WrongState("'{name}' is bolted to {whole}, and moves with it only", name=body, whole=there.carrier)
 
 
 def _not_straight_down(eye: Point, target: Point) -> Point:

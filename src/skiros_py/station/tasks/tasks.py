@@ -100,12 +100,12 @@ class KeptTask:
         task = self.task
         if self.job and not self.over:
             raise WrongState(
-                Message("task '{name}' belongs to a job: command that one, /jobs/{job}", name=self.name, job=self.job)
+                "task '{name}' belongs to a job: command that one, /jobs/{job}", name=self.name, job=self.job
             )
         if task is None or task.done:
             if verb == "stop":
                 return
-            raise WrongState(Message("task '{name}' has ended: it takes no {verb}", name=self.name, verb=verb))
+            raise WrongState("task '{name}' has ended: it takes no {verb}", name=self.name, verb=verb)
         if verb == "stop":
             task.stop(Message("{by} stopped it", by=by))
         else:

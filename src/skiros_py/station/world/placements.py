@@ -8,7 +8,6 @@ from contextlib import suppress
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
 from skiros_py.errors import UsageError, WorldError
-from skiros_py.messages import Message
 from skiros_py.skills.conditions.effects import Relate, brought_about
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.change import Writer
@@ -92,11 +91,9 @@ def _placement(view: Index, name: str) -> Relation:
     placements = _placements(view)
     if relation not in placements:
         raise UsageError(
-            Message(
-                "{name} does not place anything: use one of {relations}",
-                name=name,
-                relations=", ".join(r.curie for r in placements),
-            )
+            "{name} does not place anything: use one of {relations}",
+            name=name,
+            relations=", ".join(r.curie for r in placements),
         )
     return relation
 

@@ -7,7 +7,6 @@ from typing import Any
 from skiros_py.api.world import GivenPose, GivenValue
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Pose
-from skiros_py.messages import Message
 from skiros_py.world.element import Value
 from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
@@ -43,11 +42,9 @@ def set_value(tx: Transaction, element: str, property_: str, value: GivenValue |
     frame = value.frame if isinstance(value, GivenPose) else None
     if property_ != POSE and frame is not None:
         raise UsageError(
-            Message(
-                "{property} of {element} is always in the element's own frame: leave out 'frame'",
-                property=property_,
-                element=element,
-            )
+            "{property} of {element} is always in the element's own frame: leave out 'frame'",
+            property=property_,
+            element=element,
         )
     says_frame = isinstance(value, GivenPose) and "frame" in value.model_fields_set
     if property_ == POSE and (value is None or says_frame):

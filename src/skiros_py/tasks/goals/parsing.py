@@ -51,13 +51,11 @@ def goal_of(parsed: Iterable[Form], view: WorldView, conditions: Mapping[str, Co
     number = sum(_work(condition, view) for condition in goal)
     if number > MOST_LOOKED_AT:
         raise UsageError(
-            Message(
-                "the goal has to be looked at in {number} places to tell whether it holds, and {most} are allowed: each"
-                " element that a quantifier stands for counts, in nested ones each combination of them; choose narrower"
-                " classes, or say it in several goals",
-                number=number,
-                most=MOST_LOOKED_AT,
-            )
+            "the goal has to be looked at in {number} places to tell whether it holds, and {most} are allowed: each"
+            " element that a quantifier stands for counts, in nested ones each combination of them; choose narrower"
+            " classes, or say it in several goals",
+            number=number,
+            most=MOST_LOOKED_AT,
         )
     return goal
 
@@ -109,7 +107,7 @@ class Meaning:
         """
         if depth > DEEPEST:
             raise UsageError(
-                Message("the goal is nested deeper than {levels} levels: say it in several conditions", levels=DEEPEST)
+                "the goal is nested deeper than {levels} levels: say it in several conditions", levels=DEEPEST
             )
         match form:
             case forms.Word():
@@ -120,7 +118,7 @@ class Meaning:
                 return any_of(~self.of(premise, scope, depth + 1), self.of(then, scope, depth + 1))
             case forms.AllOf(parts=parts) | forms.AnyOf(parts=parts):
                 if not parts:
-                    raise UsageError(Message("'{word}' joins nothing: give at least one condition", word=form.word))
+                    raise UsageError("'{word}' joins nothing: give at least one condition", word=form.word)
                 conditions = [self.of(part, scope, depth + 1) for part in parts]
                 return (all_of if isinstance(form, forms.AllOf) else any_of)(*conditions)
             case forms.ForAll() | forms.Exists():
@@ -136,13 +134,11 @@ class Meaning:
             )
         if form.variable in scope:
             raise UsageError(
-                Message(
-                    "{where}: {name} is bound already around it; call one of the two otherwise", where=where, name=name
-                )
+                "{where}: {name} is bound already around it; call one of the two otherwise", where=where, name=name
             )
         if self._is_taken(form.variable):
             raise UsageError(
-                Message("{where}: something else is called {name}; call the variable otherwise", where=where, name=name)
+                "{where}: something else is called {name}; call the variable otherwise", where=where, name=name
             )
         inner = {**scope, form.variable: class_}
         part = self.of(form.holds, inner, depth + 1)
@@ -150,20 +146,18 @@ class Meaning:
         try:
             return make(form.variable, class_, part)
         except DescriptionError as error:
-            raise UsageError(Message("goal: {error}", error=error)) from error
+            raise UsageError("goal: {error}", error=error) from error
 
     def _word(self, form: forms.Word, scope: _Scope) -> Condition:
         type_ = self._type(form.condition)
         if len(form.arguments) != len(type_.roles):
             roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
             raise UsageError(
-                Message(
-                    "{condition} takes {count} arguments ({roles}), got {given}",
-                    condition=type_.name,
-                    count=len(type_.roles),
-                    roles=roles,
-                    given=len(form.arguments),
-                )
+                "{condition} takes {count} arguments ({roles}), got {given}",
+                condition=type_.name,
+                count=len(type_.roles),
+                roles=roles,
+                given=len(form.arguments),
             )
         return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(form.arguments)))
 
@@ -177,12 +171,10 @@ class Meaning:
         if name.variable:
             bound = ", ".join(f"?{variable}" for variable in scope) or Message("none is")
             raise UsageError(
-                Message(
-                    "{where}: no quantifier around it binds ?{name} (bound: {bound})",
-                    where=where,
-                    name=name.text,
-                    bound=bound,
-                )
+                "{where}: no quantifier around it binds ?{name} (bound: {bound})",
+                where=where,
+                name=name.text,
+                bound=bound,
             )
         element = self._element(name.text, role.class_)
         if element is None:
@@ -194,13 +186,11 @@ class Meaning:
         if not class_ or self._view.ontology.is_a(class_, wanted):
             return variable
         raise UsageError(
-            Message(
-                "{where}: {name} is any {kind}, not only a {wanted}; say '{name}: {wanted}' where it is bound",
-                where=where,
-                name=variable,
-                kind=local_name(class_),
-                wanted=local_name(wanted),
-            )
+            "{where}: {name} is any {kind}, not only a {wanted}; say '{name}: {wanted}' where it is bound",
+            where=where,
+            name=variable,
+            kind=local_name(class_),
+            wanted=local_name(wanted),
         )
 
     def _check_element(self, element: str, name: str, type_: ConditionType, wanted: str, where: str) -> None:
@@ -208,24 +198,20 @@ class Meaning:
         there = _some(self._view, wanted)
         if not ontology.is_a(class_, wanted):
             raise UsageError(
-                Message(
-                    "{where}: {name} is a {kind}, not a {wanted}. There is {things}.",
-                    where=where,
-                    name=name,
-                    kind=local_name(class_),
-                    wanted=local_name(wanted),
-                    things=there,
-                )
+                "{where}: {name} is a {kind}, not a {wanted}. There is {things}.",
+                where=where,
+                name=name,
+                kind=local_name(class_),
+                wanted=local_name(wanted),
+                things=there,
             )
         if is_abstract(element) and not type_.abstract and ontology.is_a(wanted, SPATIAL_THING):
             raise UsageError(
-                Message(
-                    "{where}: {name} is abstract; {condition} needs one element of the scene: {things}.",
-                    where=where,
-                    name=name,
-                    condition=type_.name,
-                    things=there,
-                )
+                "{where}: {name} is abstract; {condition} needs one element of the scene: {things}.",
+                where=where,
+                name=name,
+                condition=type_.name,
+                things=there,
             )
 
     def _class(self, name: str, index: int, type_: ConditionType, where: str, scope: _Scope) -> str:
@@ -238,13 +224,11 @@ class Meaning:
             raise UnknownName("element", name, known, where=Message("in {where}", where=where))
         if not type_.abstract:
             raise UsageError(
-                Message(
-                    "{where}: {name} is a class; {condition} needs one element of the scene: {things}.",
-                    where=where,
-                    name=name,
-                    condition=type_.name,
-                    things=_some(self._view, wanted),
-                )
+                "{where}: {name} is a class; {condition} needs one element of the scene: {things}.",
+                where=where,
+                name=name,
+                condition=type_.name,
+                things=_some(self._view, wanted),
             )
         return class_
 
@@ -280,9 +264,7 @@ class Meaning:
         named = [curie for curie in below if local_name(curie) == name]
         if len(named) > 1:
             raise UsageError(
-                Message(
-                    "{name} may be {names}: write the one that is meant", name=name, names=listed(named, either=True)
-                )
+                "{name} may be {names}: write the one that is meant", name=name, names=listed(named, either=True)
             )
         if above not in self._spelt_classes:
             self._spelt_classes[above] = NameMap(below)

@@ -119,12 +119,10 @@ def next_state(state: JobState, trigger: Trigger) -> JobState:
         removal = "clear: it is over" if not state.is_open else "" if state.has_begun else "cancel"
         able = ", ".join(filter(None, (*(t.value for t in allowed(state) if t not in _OF_CELL), removal)))
         raise WrongState(
-            Message(
-                "a job that is {state} takes no {trigger}; it takes {able}",
-                state=state.name.lower().replace("_", " "),
-                trigger=trigger.value,
-                able=able,
-            )
+            "a job that is {state} takes no {trigger}; it takes {able}",
+            state=state.name.lower().replace("_", " "),
+            trigger=trigger.value,
+            able=able,
         )
     return _TABLE[state][trigger]
 

@@ -254,9 +254,7 @@ class JobManager:
             _check_removed(order, None if wanted.again else self.store.removed(order.id))
         elif known.order != order:
             raise WrongState(
-                Message(
-                    "job '{job}' is there already, with another order: update that, or take another id", job=order.id
-                )
+                "job '{job}' is there already, with another order: update that, or take another id", job=order.id
             )
         return known
 
@@ -298,9 +296,9 @@ class JobManager:
         """Removes a job that has not started and returns its last version."""
         with self._command(job, expects) as now:
             if now.state.has_begun:
-                raise WrongState(Message("job '{job}' has begun: stop or abort it, then clear it", job=job))
+                raise WrongState("job '{job}' has begun: stop or abort it, then clear it", job=job)
             if not now.state.is_open:
-                raise WrongState(Message("job '{job}' has begun and is over: clear it", job=job))
+                raise WrongState("job '{job}' has begun and is over: clear it", job=job)
             return self._book.remove(now)
 
     # ------------------------------------------------------------------ under way
@@ -324,9 +322,7 @@ class JobManager:
                 return now
             run = self._runner.run(job)
             if run is not None and run.asks:
-                raise WrongState(
-                    Message("job '{job}' waits for an answer: {choices}", job=job, choices=", ".join(now.choices))
-                )
+                raise WrongState("job '{job}' waits for an answer: {choices}", job=job, choices=", ".join(now.choices))
             self._require_ready(now)
             detail = WAITS if run is None else "goes on"
             changed = self._book.move(now, Trigger.RESUME, comment, detail=detail, choices=(), question=None)
@@ -349,11 +345,9 @@ class JobManager:
         with self._command(job, expects) as now:
             if not now.choices:
                 raise WrongState(
-                    Message(
-                        "job '{job}' waits for no answer, or not any more: it is {state}",
-                        job=job,
-                        state=now.state.name.lower(),
-                    )
+                    "job '{job}' waits for no answer, or not any more: it is {state}",
+                    job=job,
+                    state=now.state.name.lower(),
                 )
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
@@ -383,7 +377,7 @@ class JobManager:
         """Removes a finished job with all its records and returns its last version."""
         with self._command(job, expects) as now:
             if now.state.is_open:
-                raise WrongState(Message("job '{job}' is not over: stop, abort or cancel it", job=job))
+                raise WrongState("job '{job}' is not over: stop, abort or cancel it", job=job)
             return self._book.remove(now)
 
     def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str, expects: int | None) -> Job:
@@ -419,11 +413,9 @@ class JobManager:
         halted = self._runtime.cycle.halted
         if halted:
             raise WrongState(
-                Message(
-                    "job '{job}' cannot go on: everything is halted ({why}); look, reset, then answer",
-                    job=job.id,
-                    why=halted,
-                )
+                "job '{job}' cannot go on: everything is halted ({why}); look, reset, then answer",
+                job=job.id,
+                why=halted,
             )
 
 
@@ -444,11 +436,6 @@ def _check_removed(order: JobOrder, last: Job | None) -> None:
     if last.order == order:
         said = {"job": order.id, "outcome": last.outcome or ""}
         raise Removed(
-            Message(
-                "job '{job}' was removed ({outcome}), and its order is not taken twice: say that it is meant again",
-                **said,
-            )
+            "job '{job}' was removed ({outcome}), and its order is not taken twice: say that it is meant again", **said
         )
-    raise WrongState(
-        Message("there was a job '{job}' with another order, and it was removed: take another id", job=order.id)
-    )
+    raise WrongState("there was a job '{job}' with another order, and it was removed: take another id", job=order.id)

@@ -223,13 +223,13 @@ class JobRun:
         question = self._task.question
         if question is None or question.id != asked:
             if question is None:
-                raise WrongState(Message("job '{job}' waits for no answer any more", job=self._task.name))
+                raise WrongState("job '{job}' waits for no answer any more", job=self._task.name)
             asks = {"job": self._task.name, "text": question.text}
-            raise WrongState(Message("job '{job}' asks something else by now: {text}", **asks))
+            raise WrongState("job '{job}' asks something else by now: {text}", **asks)
         try:
             self._runtime.questions.answer(question.id, choice, by=by)
         except UnknownName:  # already answered, but the task has not processed it yet
-            raise WrongState(Message("job '{job}' has its answer already", job=self._task.name)) from None
+            raise WrongState("job '{job}' has its answer already", job=self._task.name) from None
 
     # ------------------------------------------------------------------ what is written down
 

@@ -18,7 +18,6 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from skiros_py.database import Database
 from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import DiskFault, FileError, KeyReused, UnknownName
-from skiros_py.messages import Message
 from skiros_py.tasks.jobs.job import Intent, Job, JobState, Transition, Trigger
 from skiros_py.tasks.jobs.schema import SCHEMA
 
@@ -308,9 +307,7 @@ class JobStore:
         ((digest, data),) = rows
         if digest != receipt.digest:
             raise KeyReused(
-                Message(
-                    "the key '{key}' was used for another order: take a new key for each new order", key=receipt.key
-                )
+                "the key '{key}' was used for another order: take a new key for each new order", key=receipt.key
             )
         return self._job(data)
 

@@ -124,7 +124,7 @@ def decode_change(text: str, others: Sequence[str] = ()) -> Change:
             Writer(data["writer"]),
             data["undoes"],
         )
-    except (KeyError, TypeError) as error:
+    except (LookupError, TypeError, AttributeError) as error:
         raise ValueError(f"no change: {error}") from None
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.files import open_private
-from skiros_py.messages import Message
 from skiros_py.world.change import Change, Edit, ElementEdit, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
@@ -69,9 +68,7 @@ def import_learned(world: World, tx: Transaction, path: Path, *, replace: bool =
     if different and not replace:
         names = ", ".join(different)
         raise WorldError(
-            Message(
-                "{names}: known already, and different; replace them, or give those of the file other ids", names=names
-            )
+            "{names}: known already, and different; replace them, or give those of the file other ids", names=names
         )
     for name in different:
         if tx.view.has(name):  # else it went with what it is part of

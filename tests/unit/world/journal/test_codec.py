@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.world.change import (
     Change,
     Edit,
@@ -123,3 +124,25 @@ def test_many_edits_take_several_texts(edits: list[Edit]) -> None:
 def test_decoding_an_invalid_change_raises_a_value_error(text: str) -> None:
     with pytest.raises(ValueError):  # noqa: PT011  whatever it says
         decode_change(text)
+
+
+def test_a_reason_keeps_what_it_is_made_of() -> None:
+    lost = Message("{part} is lost", part="ball_1")
+    change = Change(7, "ann", Message("undoes change {number}: {reason}", number=6, reason=lost), 1.5, ())
+
+    (text,) = encode_change(change)
+
+    read = decode_change(text).reason
+    assert read == "undoes change 6: ball_1 is lost"
+    assert isinstance(read, Message)
+    assert read.data == change.reason.data
+
+
+@pytest.mark.parametrize(
+    "reason", ['{"template": 5, "values": {}}', '{"values": []}', '{"template": "{}", "values": {}}']
+)
+def test_a_damaged_reason_is_no_change(reason: str) -> None:
+    (text,) = encode_change(Change(7, "ann", "why", 1.5, ()))
+
+    with pytest.raises(ValueError, match="no change"):
+        decode_change(text.replace('"why"', reason))

@@ -18,10 +18,7 @@ export function useWriteBelief(id: string) {
       const value = { ...inFrame, frame: frame === null ? null : movable.frame };
       const params = { path: { element: id }, header: { "if-match": movable.tag } };
       return answer(
-        api.PATCH("/api/v1/elements/{element}", {
-          params,
-          body: { properties: { "sk:pose": value }, reason: `moves ${id} in the 3D view` },
-        }),
+        api.PATCH("/api/v1/elements/{element}", { params, body: { properties: { "sk:pose": value }, reason: "" } }),
       );
     },
     onSuccess: (now, { movable }) => notifyChange(t("moved", { label: now.label }), changeSince(movable, now)),

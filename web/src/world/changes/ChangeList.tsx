@@ -3,6 +3,7 @@ import { IconPencil, IconRobot, IconServer, type TablerIcon } from "@tabler/icon
 import type { InfiniteData, UseInfiniteQueryResult } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../../api/client";
+import { said } from "../../i18n/sentences";
 import { Moment } from "../../widgets/Moment";
 import { problemText } from "../../widgets/problems";
 import { type Edit, editText, isAbout } from "../../widgets/edits";
@@ -57,7 +58,7 @@ function One({ change, about }: { change: Change; about: string | undefined }) {
     <Stack gap={2}>
       <Group gap={6}>
         <Text size="sm" fw={600}>
-          {change.reason}
+          {said(change.reason)}
         </Text>
         {change.undoes !== null && <Badge variant="default">{t("changes.undoes", { number: change.undoes })}</Badge>}
         <UndoButton only={change.number} />

@@ -4,8 +4,13 @@ import { answer, api } from "../../api/client";
 import { HistoryButtons } from "../../widgets/HistoryButtons";
 import { MayButton } from "../../widgets/MayButton";
 import { withdrawUndo } from "../../widgets/toasts";
+import { said } from "../../i18n/sentences";
 import { useWrite } from "../edit/useWrite";
 import { useWorldInfo } from "../queries";
+
+function inWords<Change extends { reason: string }>(change: Change): Change {
+  return { ...change, reason: said(change.reason) };
+}
 
 function useUndo() {
   return useWrite(
@@ -27,8 +32,8 @@ export function WorldHistory() {
       undo={back && (() => undo.mutate(back.number))}
       redo={again && (() => redo.mutate(again.number))}
       titles={{
-        undo: back === null ? t("undo.nothing") : t("undo.what", back),
-        redo: again === null ? t("redo.nothing") : t("redo.what", again),
+        undo: back === null ? t("undo.nothing") : t("undo.what", inWords(back)),
+        redo: again === null ? t("redo.nothing") : t("redo.what", inWords(again)),
       }}
       busy={undo.isPending || redo.isPending}
     />
@@ -47,8 +52,8 @@ export function UndoButton({ only }: { only: number }) {
       variant="default"
       leftSection={<IconArrowBackUp size={14} aria-hidden />}
       loading={undo.isPending}
-      title={t("undo.what", next)}
-      aria-label={t("undo.what", next)}
+      title={t("undo.what", inWords(next))}
+      aria-label={t("undo.what", inWords(next))}
       onClick={() => undo.mutate(next.number)}
     >
       {t("undo.short")}

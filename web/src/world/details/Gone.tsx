@@ -1,6 +1,7 @@
 import { Alert, Group, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { Moment } from "../../widgets/Moment";
+import { said } from "../../i18n/sentences";
 import { UndoButton } from "../changes/UndoButton";
 import { useRemoval } from "./removal";
 
@@ -14,7 +15,7 @@ export function Gone({ id }: { id: string }) {
       {removal && (
         <Group justify="space-between" gap="xs">
           <Text size="sm">
-            {t("gone.by", removal)} <Moment at={removal.written} />
+            {t("gone.by", { ...removal, reason: said(removal.reason) })} <Moment at={removal.written} />
           </Text>
           <UndoButton only={removal.number} />
         </Group>

@@ -1,6 +1,7 @@
 import { Button, Fieldset, Group, SegmentedControl, Select, Stack, Text } from "@mantine/core";
 import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../../i18n/sentences";
 import { ElementPicker } from "../../widgets/ElementPicker";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyChange } from "../../widgets/undo";
@@ -38,7 +39,7 @@ function NewRelation({ tagged, onDone }: { tagged: Tagged; onDone: () => void })
   const write = useWrite(
     () => state(tagged, direction, name ?? "", other ?? ""),
     ({ change }) => {
-      notifyChange(t("relations.added", { relation: change?.reason ?? relation?.label }), change?.number);
+      notifyChange(t("relations.added", { relation: change ? said(change.reason) : relation?.label }), change?.number);
       onDone();
     },
   );
