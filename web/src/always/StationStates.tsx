@@ -44,7 +44,9 @@ export function RobotsState() {
   if (robots.length === 0) return <Status mood="waiting" text={t("robots.none")} />;
   if (!current) return <Status mood="waiting" text={t("robots.unknown")} />;
   const said = moving === "" ? t("robots.stand", { count: robots.length }) : t("robots.move", { names: moving });
-  return <Status mood={moving === "" ? "waiting" : "running"} text={pretends ? t("robots.pretended", { said }) : said} />;
+  return (
+    <Status mood={moving === "" ? "waiting" : "running"} text={pretends ? t("robots.pretended", { said }) : said} />
+  );
 }
 
 export function ConnectionState() {

@@ -2,6 +2,7 @@ import { type ComboboxItem, Select, Stack, Text } from "@mantine/core";
 import { IconPlus } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../i18n/sentences";
 import type { ConditionWord } from "./sentence";
 import { useSentence } from "./words";
 
@@ -38,7 +39,7 @@ export function AddCondition({ words, onAdd }: Props) {
       onSearchChange={setSearch}
       filter={({ options, search: text }) =>
         (options as ComboboxItem[]).filter(({ value, label }) =>
-          matches(text, value, label, byName.get(value)?.help ?? ""),
+          matches(text, value, label, said(byName.get(value)?.help ?? "")),
         )
       }
       renderOption={({ option }) => <Offer label={option.label} word={byName.get(option.value)} />}
@@ -58,7 +59,7 @@ function Offer({ label, word }: { label: string; word: ConditionWord | undefined
     <Stack gap={0}>
       <span>{label}</span>
       <Text span size="xs" c="dimmed">
-        {word?.name} – {word?.help}
+        {word?.name} – {said(word?.help ?? "")}
       </Text>
     </Stack>
   );

@@ -60,7 +60,8 @@ export async function changeTemplate(name: string, seen: Template | null, conten
       ? await answer(api.DELETE("/api/v1/documents/{kind}/{id}", { params })).then(() => null)
       : templateOf(await answer(api.PUT("/api/v1/documents/{kind}/{id}", { params, body: { data: { ...content } } })));
   if (now) written.set(name, now.version);
-  return () => changeTemplate(name, now && { ...now, version: written.get(name) ?? now.version }, seen?.content ?? null);
+  return () =>
+    changeTemplate(name, now && { ...now, version: written.get(name) ?? now.version }, seen?.content ?? null);
 }
 
 /** The versions written here last, by name: undoing writes new ones. */

@@ -26,6 +26,14 @@ test("a sentence of an event is said in the language of the pages, numbers with 
   expect(said("far")).toBe("hielt 0,052 m und 1,5° neben pallet_a");
 });
 
+test("a sentence without values is known by its text, and a relation by its name in the ontology", async () => {
+  const stated = { subject: "kit_1", relation: "sk:on", object: "table" };
+  learn({ texts: { stated: { template: "states {subject} {relation} {object}", values: stated } } });
+  await i18n.changeLanguage("de");
+  expect(said("restarts")).toBe("Neustart");
+  expect(said("stated")).toBe("eingetragen: kit_1 auf table");
+});
+
 test("sentences that the pages do not know stay as the server says them", async () => {
   learn({ texts: { "the belt runs dry": { template: "the {what} runs dry", values: { what: "belt" } } } });
   await i18n.changeLanguage("de");

@@ -45,8 +45,7 @@ onEvent((event) => learn(event.data));
 
 /** A sentence in the language of the pages; as it is, if it cannot be translated. */
 export function said(text: string): string {
-  const parts = learnt.get(text);
-  return parts === undefined ? text : translated(parts);
+  return translated(learnt.get(text) ?? { template: text, values: {} });
 }
 
 function translated({ template, values }: Parts): string {

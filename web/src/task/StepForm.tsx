@@ -1,6 +1,7 @@
 import { Button, Group, Select, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../i18n/sentences";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../widgets/ArgumentsForm";
 import type { Schema } from "../api/client";
 import type { Skills } from "../api/cell";
@@ -59,7 +60,7 @@ export function StepForm({ skills, step, label, pending, save, cancel }: Props) 
       </Group>
       {skill !== undefined && (
         <>
-          <Text size="sm">{skill.help}</Text>
+          <Text size="sm">{said(skill.help)}</Text>
           <ArgumentsForm parameters={skill.parameters} value={values} onChange={setValues} />
         </>
       )}

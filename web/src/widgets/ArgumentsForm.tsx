@@ -2,6 +2,7 @@ import { Divider, Stack, Text } from "@mantine/core";
 import type { TFunction } from "i18next";
 import { useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../i18n/sentences";
 import { Input, placeholderOf } from "./arguments/Input";
 import {
   argumentFaults,
@@ -68,7 +69,7 @@ function Field({ parameter, note, fault, value, onChange }: FieldProps) {
   return (
     <Input
       label={named}
-      help={note ? `${help} ${note}` : help}
+      help={[said(help), note].filter(Boolean).join(" ")}
       error={fault && wordsFor(t, fault)}
       placeholder={placeholderOf(parameter.default)}
       required={kind === "online" && note === undefined}

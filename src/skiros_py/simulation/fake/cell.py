@@ -40,6 +40,7 @@ class FakeCell(ModelCell):
         super().__init__(spec.devices)
         robots = [(group, FakeRobot(self.period, group.start)) for group in spec.groups]
         self._carried = {group.carrier.id: robot for group, robot in robots if group.carrier is not None}
+        self._carriers = {group.carrier.id: group.carrier for group in spec.groups if group.carrier is not None}
         self._to_stand: dict[str, Pose] = {}
         fakes = {device.id: model_of(device, "fake", robot) for group, robot in robots for device in group.devices}
         order = sorted(fakes, key=lambda id_: id_ not in self._carried)  # what moves a robot says where its others are
@@ -55,7 +56,7 @@ class FakeCell(ModelCell):
         while self._to_stand:
             device, start = self._to_stand.popitem()
             with suppress(DeviceError):  # it is switched off now, and named
-                elsewhere = replace(self.devices[device], start=start)
+                elsewhere = replace(self._carriers[device], start=start)
                 self._models.models[device] = self._models.guard.call(elsewhere, "fake", self._carried[device])
         super()._step(commands)
 

@@ -138,9 +138,7 @@ def test_a_reason_keeps_what_it_is_made_of() -> None:
     assert read.data == change.reason.data
 
 
-@pytest.mark.parametrize(
-    "reason", ['{"template": 5, "values": {}}', '{"values": []}', '{"template": "{}", "values": {}}']
-)
+@pytest.mark.parametrize("reason", ['{"template": 5, "values": {}}', '{"values": []}'])
 def test_a_damaged_reason_is_no_change(reason: str) -> None:
     (text,) = encode_change(Change(7, "ann", "why", 1.5, ()))
 

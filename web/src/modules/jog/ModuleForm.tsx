@@ -2,6 +2,7 @@ import { Stack, Text } from "@mantine/core";
 import { IconPlayerPlay, IconSchool } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../../i18n/sentences";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { MayButton } from "../../widgets/MayButton";
 import { type Device } from "../../api/cell";
@@ -38,7 +39,7 @@ export function ModuleForm({ device, module: { module, agent }, verb, hint, disa
   const Icon = verb === "jog" ? IconPlayerPlay : IconSchool;
   return (
     <Stack gap="xs" align="stretch">
-      <Text size="sm">{hint ?? details?.help}</Text>
+      <Text size="sm">{hint ?? said(details?.help ?? "")}</Text>
       <ArgumentsForm parameters={parameters} value={values} onChange={setValues} />
       <MayButton
         operation={operation}

@@ -1,5 +1,6 @@
 import { Accordion, Code, List, Stack, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
+import { said } from "../../i18n/sentences";
 import type { Schema } from "../../api/client";
 
 /** The description of a module: its conditions in words, and its implementations. */
@@ -48,7 +49,7 @@ function Outputs({ outputs }: { outputs: Schema<"ModuleOutput">[] }) {
           <List.Item key={name}>
             {[name, type, unit].filter(Boolean).join(" · ")}{" "}
             <Text span c="dimmed" inherit>
-              {help}
+              {said(help)}
             </Text>
           </List.Item>
         ))}
@@ -69,7 +70,7 @@ function Conditions({ title, conditions }: { title: string; conditions: Schema<"
           <List.Item key={condition.text}>
             {condition.text}{" "}
             <Text span c="dimmed" inherit>
-              {condition.words}
+              {said(condition.words)}
             </Text>
           </List.Item>
         ))}

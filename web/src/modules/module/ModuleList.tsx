@@ -2,6 +2,7 @@ import { NavLink, SegmentedControl, Select, Stack, Text, TextInput } from "@mant
 import { IconBolt, IconPuzzle, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../../i18n/sentences";
 import { EVERYTHING, type Filter, fitting } from "../filter";
 import type { Summary } from "../queries";
 
@@ -49,7 +50,7 @@ function Entry({ module, active, choose }: { module: Summary; active: boolean; c
       aria-current={active ? "true" : undefined}
       onClick={choose}
       label={module.name}
-      description={`${t(`kind.${module.kind}`)} · ${module.help}`}
+      description={`${t(`kind.${module.kind}`)} · ${said(module.help)}`}
       leftSection={<Icon size={16} aria-hidden />}
     />
   );

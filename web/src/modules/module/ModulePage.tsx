@@ -3,6 +3,7 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowLeft } from "@tabler/icons-react";
 import { useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import { said } from "../../i18n/sentences";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { useDraft } from "../drafts";
 import classes from "../modules.module.css";
@@ -106,7 +107,7 @@ function Heading({ module, agent, choose, back }: Omit<Props, "show">) {
           </Text>
         )}
       </Group>
-      <Text size="sm">{module.help}</Text>
+      <Text size="sm">{said(module.help)}</Text>
     </div>
   );
 }

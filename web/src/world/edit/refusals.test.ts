@@ -4,7 +4,7 @@ import { refusalOf } from "./refusals";
 const POSE = "body.properties.sk:pose";
 const draft = { "rdfs:label": "starter", "sk:placement": null, "sk:pose": "far away", "sk:mass": 1 };
 
-function refused(errors: { field: string; message: string }[], detail = "a dump") {
+function refused(errors: { field: string; message: string; kind?: string; limit?: number }[], detail = "a dump") {
   const details = { type: "", title: "Invalid request", status: 422, detail, code: "", instance: "", errors };
   return refusalOf(new ApiProblem(422, details as never), draft, (field) => `not accepted: ${field}`);
 }
@@ -12,7 +12,7 @@ function refused(errors: { field: string; message: string }[], detail = "a dump"
 test("if several forms of a value are refused, only the faults of the intended one are shown", () => {
   const { byField, rest } = refused([
     { field: `${POSE}.bool`, message: "must be true or false" },
-    { field: `${POSE}.GivenPose.position.0`, message: "must be at least -1000000" },
+    { field: `${POSE}.GivenPose.position.0`, message: "is too little", kind: "greater_than_equal", limit: -1000000 },
     { field: `${POSE}.list[float]`, message: "must be a list" },
   ]);
   expect(byField).toEqual({ "sk:pose": "x: must be at least -1000000" });

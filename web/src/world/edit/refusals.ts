@@ -1,7 +1,7 @@
 /** The faults in a refusal by field, in words for people. */
 
 import { ApiProblem } from "../../api/client";
-import { said } from "../../i18n/sentences";
+import { type FieldFault, faultText } from "../../widgets/faults";
 import { problemText } from "../../widgets/problems";
 import { type Draft, LABEL, PLACEMENT, reasons } from "./draft";
 
@@ -28,9 +28,9 @@ export function refusalOf(error: Error | null, draft: Draft, notAccepted: (field
   if (errors.length === 0) return reasons(problemText(error), Object.keys(draft));
   const faults = new Map<string, Fault[]>();
   const rest: string[] = [];
-  for (const fault of errors as unknown as { field: string; message: string }[]) {
+  for (const fault of errors as unknown as FieldFault[]) {
     const [name, place] = placeOf(fault.field, draft);
-    const message = said(fault.message);
+    const message = faultText(fault);
     if (name === undefined) rest.push(`${fault.field.replace(/^body\./, "")}: ${message}`);
     else faults.set(name, [...(faults.get(name) ?? []), { place, message }]);
   }
