@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 from skiros_py import errors
+from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import SkirosError
+from skiros_py.skills.parameters import Param, params_of
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("src", "primitives/src", "skills/src", "robots/src")
@@ -45,6 +47,22 @@ def _templates() -> dict[str, list[str]]:
     return found
 
 
+def _helps() -> set[str]:
+    """Returns the help of the built-in skills, primitives, conditions and their parameters, which are sentences, too."""
+    catalogue = load_catalogue()
+    described: list[tuple[str, tuple[Param, ...]]] = []
+    described += [(skill.description.help, skill.description.params) for skill in catalogue.skills.values()]
+    described += [
+        ((primitive.__doc__ or "").strip().partition("\n")[0], params_of(primitive.Params))
+        for primitive in catalogue.primitives.values()
+    ]
+    outputs = (output.help for primitive in catalogue.primitives.values() for output in primitive.outputs)
+    words = (type_.help for type_ in catalogue.conditions.values())
+    return {*outputs, *words, *(text for help_, params in described for text in (help_, *(p.help for p in params)))} - {
+        ""
+    }
+
+
 def _fields(text: str) -> set[str]:
     return set(_FIELD.findall(text))
 
@@ -58,12 +76,13 @@ def test_every_sentence_has_a_german_text_with_the_same_values() -> None:
     assert len(wanted) > 300
     missing = {template: places[0] for template, places in wanted.items() if template not in GERMAN}
     assert not missing
+    assert not _helps() - GERMAN.keys()
     differing = {template for template in wanted if GERMAN[template] and _fields(template) != _fields(GERMAN[template])}
     assert not differing
 
 
 def test_every_german_text_belongs_to_a_sentence() -> None:
-    assert not GERMAN.keys() - _templates().keys() - _own()
+    assert not GERMAN.keys() - _templates().keys() - _own() - _helps()
 
 
 def _own() -> set[str]:
