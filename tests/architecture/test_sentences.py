@@ -48,7 +48,7 @@ def _templates() -> dict[str, list[str]]:
 
 
 def _helps() -> set[str]:
-    """Returns the help of the built-in skills, primitives, conditions and their parameters, which are sentences, too."""
+    """Returns the help of the built-in skills, primitives, conditions and their parameters."""
     catalogue = load_catalogue()
     described: list[tuple[str, tuple[Param, ...]]] = []
     described += [(skill.description.help, skill.description.params) for skill in catalogue.skills.values()]

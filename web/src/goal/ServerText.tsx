@@ -27,11 +27,12 @@ export function ServerText({ text, named = NONE, plain = false }: Props) {
   const { words } = useWords();
   const classes = useClassLabels();
   const elements = useLiveView(({ view }) => view?.elements);
+  const inWords = (rest: string) =>
+    rest.replaceAll(CAMEL, (term) => terms[term] ?? term).replace(/\bnot $/, `${t("not")} `);
   const isElement = (word: string) => elements?.has(word) ?? false;
   const isCondition = (word: string) => words.some(({ name }) => name === word);
   return namedIn(said(text), named, isElement, isCondition).map((piece, index) => {
-    if ("text" in piece)
-      return <Fragment key={index}>{piece.text.replaceAll(CAMEL, (term) => terms[term] ?? term)}</Fragment>;
+    if ("text" in piece) return <Fragment key={index}>{inWords(piece.text)}</Fragment>;
     if ("condition" in piece) return <RowText key={index} row={readRow(piece.condition)} plain={plain} />;
     const class_ = classes.get(piece.name);
     return class_ === undefined ? (

@@ -5,6 +5,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { GoalText } from "../goal/GoalText";
+import { said } from "../i18n/sentences";
 import { download } from "../widgets/download";
 import { ElementName } from "../widgets/ElementName";
 import { Moment } from "../widgets/Moment";
@@ -220,7 +221,7 @@ function Transitions({ job }: { job: Schema<"Job"> }) {
               <Moment at={at} />
             </Table.Td>
             <Table.Td>{t(`jobStates.${state.text}`)}</Table.Td>
-            <Table.Td>{comment}</Table.Td>
+            <Table.Td>{said(comment)}</Table.Td>
           </Table.Tr>
         ))}
       </Table.Tbody>

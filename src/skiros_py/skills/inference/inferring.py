@@ -89,7 +89,7 @@ def infer(
     values = {p.key: p.default if given.get(p.key) is None else given[p.key] for p in description.params}
     reasons: dict[str, str] = {}
     if agent is not None and values[description.agent] is None:
-        values[description.agent], reasons[description.agent] = agent, "it does it"
+        values[description.agent], reasons[description.agent] = agent, Message("it does it")
     verdicts: dict[str, Verdict] = {}
     for group in _groups(description, values):
         found = _solve(group, view)

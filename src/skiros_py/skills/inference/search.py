@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from skiros_py.errors import DescriptionError, SkirosError
+from skiros_py.messages import Message, joined
 from skiros_py.skills.conditions import AllOf, AnyOf, Binding, Computed, Exists, Not, Nothing, Pattern, Related
 from skiros_py.skills.parameters import IT, Param
 from skiros_py.skills.references import variables
@@ -241,10 +242,10 @@ def choose(
 def _reason(param: Param, solutions: Sequence[Solution], best: Sequence[Solution], why: Sequence[str]) -> str:
     fitting = len({solution[param.key] for solution in solutions})
     if fitting == 1:
-        return "the only one that fits"
+        return Message("the only one that fits")
     several = len({solution[param.key] for solution in best}) > 1
-    how = [*why, "the first by id"] if several else why or ["the one that goes with the rest"]
-    return f"of {fitting} that fit, {', '.join(how)}"
+    how = [*why, Message("the first by id")] if several else why or [Message("the one that goes with the rest")]
+    return Message("of {count} that fit, {why}", count=fitting, why=joined(", ", how))
 
 
 def _most_preferred(
@@ -254,7 +255,7 @@ def _most_preferred(
         own = pattern.rename({IT: param.key})
         kept = _fulfilling(own, param.key, solutions, known, view)
         if kept:
-            return kept, f"preferred: {own.evaluate(view, {**known, **kept[0]}).text}"
+            return kept, Message("preferred: {why}", why=own.evaluate(view, {**known, **kept[0]}).text)
     return solutions, ""
 
 
@@ -282,8 +283,9 @@ def _cheapest(param: Param, solutions: Sequence[Solution], view: WorldView) -> t
         return solutions, ""
     costs = {value: _cost(param, value, view) for value in dict.fromkeys(s[param.key] for s in solutions)}
     least = min(costs.values())
-    what = f"{local_name(cost)}" if isinstance(cost, str) else "cost"
-    return [s for s in solutions if costs[s[param.key]] == least], f"the one of least {what} ({least:g})"
+    what = local_name(cost) if isinstance(cost, str) else Message("cost")
+    why = Message("the one of least {property} ({value:g})", property=what, value=least)
+    return [s for s in solutions if costs[s[param.key]] == least], why
 
 
 def _cost(param: Param, element: str, view: WorldView) -> float:

@@ -356,7 +356,7 @@ def _new(job: Job) -> OrderResult:
 
 def _said(author: Author, comment: str) -> str:
     """Returns a comment with its author, for the record."""
-    return f"{author.name}: {comment}" if comment else f"by {author.name}"
+    return f"{author.name}: {comment}" if comment else Message("by {author}", author=author.name)
 
 
 def _next(page: Page) -> str | None:

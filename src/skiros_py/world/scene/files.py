@@ -13,6 +13,7 @@ from skiros_py.config import ONTOLOGIES
 from skiros_py.errors import FileError, WorldError
 from skiros_py.files import open_private
 from skiros_py.geometry import Pose
+from skiros_py.messages import Message
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.loading import fault_of, files_of, load
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
@@ -226,7 +227,13 @@ def load_scene(
     """
     world = World(ontology, reasoners=reasoners)
     with collection_paused():
-        fill(world, _read(ontology, path, ontology_paths), "scene", f"read from {path.name}", scene_source(path))
+        fill(
+            world,
+            _read(ontology, path, ontology_paths),
+            "scene",
+            Message("read from {file}", file=path.name),
+            scene_source(path),
+        )
     return world
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.files import open_private
+from skiros_py.messages import Message
 from skiros_py.world.change import Change, Edit, ElementEdit, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
@@ -43,7 +44,7 @@ def read_learned(ontology: Ontology, path: Path) -> World:
     reader = Reader(ontology, LEARNED)
     reader.take(read_document(path), whole=True)
     world = World(ontology)
-    fill(world, reader, "learned", f"read from {path.name}")
+    fill(world, reader, "learned", Message("read from {file}", file=path.name))
     return world
 
 
@@ -117,7 +118,9 @@ class LearnedFile:
             return
         read = read_learned(world.ontology, self.path)
         try:
-            with world.transaction("learned", f"carried over in {self.path.name}", writer=Writer.SYSTEM) as tx:
+            with world.transaction(
+                "learned", Message("carried over in {file}", file=self.path.name), writer=Writer.SYSTEM
+            ) as tx:
                 tx.apply(_edits(read))
         except WorldError as error:
             raise FileError(self.path, str(error)) from None

@@ -65,9 +65,9 @@ function useNotes(panel: ReturnType<typeof usePanel>["data"], given: Arguments):
       if (value !== null && !(key in given)) notes[key] = t("panel.taken", { value: shown(value) });
     }
     for (const [key, why] of Object.entries(panel?.inferred ?? {})) {
-      notes[key] = t("panel.inferredAs", { value: shown(panel?.arguments[key]), why });
+      notes[key] = t("panel.inferredAs", { value: shown(panel?.arguments[key]), why: said(why) });
     }
-    for (const [key, why] of Object.entries(panel?.missing ?? {})) notes[key] = t("panel.open", { why });
+    for (const [key, why] of Object.entries(panel?.missing ?? {})) notes[key] = t("panel.open", { why: said(why) });
     return notes;
   }, [panel, given, t]);
 }

@@ -1,6 +1,7 @@
 import { DataList, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { ElementName } from "../../widgets/ElementName";
+import { spoken } from "../../widgets/names";
 import type { Details } from "../queries";
 import { useWords } from "../useWords";
 import { written } from "../values";
@@ -17,7 +18,7 @@ export function Whereabouts({ element }: { element: Details }) {
           <DataList.ItemLabel>{t("where.placement")}</DataList.ItemLabel>
           <DataList.ItemValue>
             <Text size="sm" span mr={6}>
-              {placement.relation}
+              {spoken(placement.relation)}
             </Text>
             <ElementName id={placement.place} />
           </DataList.ItemValue>

@@ -5,7 +5,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
-import { byName, localName, nameOf } from "../../widgets/names";
+import { byName, nameOf, spoken } from "../../widgets/names";
 import { KindIcon } from "../kinds";
 import classes from "./SceneTree.module.css";
 import type { Search } from "./TreeSearch";
@@ -83,7 +83,7 @@ function Hit({ item }: { item: Summary | undefined }) {
       </Text>
       {item.placement && (
         <Text span size="xs" c="dimmed" className={classes.relation}>
-          {localName(item.placement.relation)} {item.placement.place}
+          {spoken(item.placement.relation)} {item.placement.place}
         </Text>
       )}
     </>

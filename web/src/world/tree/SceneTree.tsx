@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { isGone } from "../../api/client";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem } from "../../widgets/problems";
-import { localName, nameOf } from "../../widgets/names";
+import { nameOf, spoken } from "../../widgets/names";
 import { KindIcon } from "../kinds";
 import { type Branches, followTree, type Node, reveal, setOpen, useBranches } from "./branches";
 import classes from "./SceneTree.module.css";
@@ -94,7 +94,7 @@ function Names({ node }: { node: Node }) {
         </Text>
       )}
       <Text span size="xs" c="dimmed" className={classes.relation}>
-        {localName(node.relation)}
+        {spoken(node.relation)}
         {node.children_total > 0 && ` · ${node.children_total}`}
       </Text>
     </Group>
