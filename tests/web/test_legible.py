@@ -72,7 +72,8 @@ def test_a_robot_that_only_pretends_is_named_as_such(station, visit, expect):
 def test_a_template_that_was_removed_comes_back_and_goes_again_by_keys(station, visit, expect):
     served = station()
     stored = f"{served.url}/api/v1/documents/template/fill"
-    httpx2.put(stored, json={"data": {"goal": ["InKit(Starter, kit_1)"]}}).raise_for_status()
+    goal = [{"condition": "InKit", "arguments": ["Starter", "kit_1"]}]
+    httpx2.put(stored, json={"data": {"goal": goal}}).raise_for_status()
     page = visit(served.url, at="#/goal")
     page.get_by_role("combobox", name="Template").click()
     page.get_by_role("option", name="fill").click()
@@ -83,7 +84,7 @@ def test_a_template_that_was_removed_comes_back_and_goes_again_by_keys(station, 
     expect(page.get_by_role("dialog")).to_have_count(0)
     page.keyboard.press("Control+z")
     expect(form).to_be_visible()
-    assert httpx2.get(stored).json()["data"]["goal"] == ["InKit(Starter, kit_1)"]
+    assert httpx2.get(stored).json()["data"]["goal"] == goal
     page.keyboard.press("Control+Shift+z")
     expect(form).to_have_count(0)
     assert httpx2.get(stored).status_code == 404

@@ -54,13 +54,13 @@ def where(session: Session) -> Pose:
 def test_a_robot_without_physics_stands_where_it_is_believed_to_be() -> None:
     with Session("kitting", Options(fake=True)) as session:
         start = where(session)
-        with session.world.transaction("anna") as tx:
+        with session.world.transaction("anna", "moves it") as tx:
             tx.place("robot_1", v.AT, "pallet_a")
         moved = where(session)
-        with session.world.transaction("anna") as tx:
+        with session.world.transaction("anna", "moves it") as tx:
             tx.place("robot_1", v.AT, "floor")
         on_the_floor = where(session)
-        with session.world.transaction("anna") as tx:
+        with session.world.transaction("anna", "moves it") as tx:
             tx.set("base_1", v.POSE, Pose.of(1.0, -2.0, 0.0))
 
         assert (start, moved, on_the_floor) == (Pose(), AT_PALLET_A, AT_PALLET_A)
