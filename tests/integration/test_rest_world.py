@@ -270,7 +270,9 @@ def test_a_removed_element_is_gone_but_its_history_stays(api: httpx2.Client) -> 
 
     assert response.json()["change"]["reason"] == f"removes {one['id']}"
     assert api.get(f"/elements/{one['id']}").status_code == 404
-    assert len(get(api, f"/elements/{one['id']}/history")["items"]) == 2
+    history = get(api, f"/elements/{one['id']}/history")
+    assert [change["reason"] for change in history["items"]] == [f"removes {one['id']}", "adds a kitting:Starter"]
+    assert history["items"][0]["texts"][f"removes {one['id']}"]["template"] == "removes {element}"
     assert (
         "never used again"
         in problem(api.post("/elements", json={"class": "kitting:Starter", "id": one["id"]}), 422)["detail"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer, Page
+from skiros_py.api.wire import Answer, Page, Sentence, Told
 from skiros_py.api.world import Value
 
 
@@ -158,7 +158,7 @@ class PlaceOption(Answer):
     """Its label."""
     fits: bool
     """Whether it accepts the element now."""
-    why_not: str
+    why_not: Sentence
     """Why not; empty if it does."""
 
 
@@ -179,7 +179,7 @@ class PlacementOption(Answer):
     """If places are missing: the cursor for reading on, together with relation=<relation>."""
 
 
-class PlacementOptions(Answer):
+class PlacementOptions(Told):
     """Possible places of an element."""
 
     class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Starter"])

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, StrictBool, StrictInt, model_validator
 
-from skiros_py.api.wire import Answer, Page, Request
+from skiros_py.api.wire import Answer, Page, Request, Sentence, Told
 
 EVERYTHING = "sk:Element"
 """The class of all elements."""
@@ -274,7 +274,7 @@ Version = Annotated[int, Field(strict=True, ge=0, le=2**62)]
 """Number of a change."""
 
 
-class Change(Answer):
+class Change(Told):
     """A change: one transaction."""
 
     number: int = Field(examples=[17])
@@ -283,7 +283,7 @@ class Change(Answer):
     """Its author."""
     writer: str = Field(examples=["person"])
     """Kind of author: "person", "skill", "job" or "system"."""
-    reason: str = Field(examples=["delivered this morning"])
+    reason: Sentence = Field(examples=["delivered this morning"])
     """Reason, for people."""
     time: float = Field(examples=[12.5])
     """When [s, run time]."""
@@ -328,11 +328,11 @@ class Undoable(Answer):
     """Its number."""
     author: str = Field(examples=["ann"])
     """Its author."""
-    reason: str = Field(examples=["delivered this morning"])
+    reason: Sentence = Field(examples=["delivered this morning"])
     """Reason, for people."""
 
 
-class WorldInfo(Answer):
+class WorldInfo(Told):
     """Version and size of the world."""
 
     version: int = Field(examples=[17])
@@ -357,7 +357,7 @@ class WorldInfo(Answer):
     """The undo that a redo would revert."""
 
 
-class Written(Answer):
+class Written(Told):
     """Result of a write."""
 
     version: int = Field(examples=[18])

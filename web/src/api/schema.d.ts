@@ -2307,6 +2307,9 @@ export interface components {
             }[];
             edits_total: number;
             next?: string | null;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         ChangePage: {
             items: components["schemas"]["Change"][];
@@ -3264,6 +3267,9 @@ export interface components {
             class: string;
             element: string | null;
             options: components["schemas"]["PlacementOption"][];
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         PlannedStep: {
             text: string;
@@ -3884,6 +3890,9 @@ export interface components {
             remembered_from: number;
             undoable: components["schemas"]["Undoable"] | null;
             redoable: components["schemas"]["Undoable"] | null;
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
+            };
         };
         WorldView: {
             version: number;
@@ -3899,6 +3908,9 @@ export interface components {
             change: components["schemas"]["Change"] | null;
             ids?: {
                 [key: string]: string;
+            };
+            readonly texts: {
+                [key: string]: components["schemas"]["SentenceParts"];
             };
         };
         ProblemDetails: {

@@ -3,31 +3,31 @@
 import { useMediaQuery } from "@mantine/hooks";
 import { create } from "zustand";
 
-/** A low window, or one that is zoomed in; `app.css` lets the page scroll there. */
-const LOW = "(max-height: 32rem)";
-const REMEMBERED = { high: "skiros-view3d", low: "skiros-view3d-low" } as const;
+/** A low window, which `app.css` lets scroll, a narrow one, or one that is zoomed in. */
+const SMALL = "(max-height: 32rem), (max-width: 30rem)";
+const REMEMBERED = { large: "skiros-view3d", small: "skiros-view3d-low" } as const;
 
-type Height = keyof typeof REMEMBERED;
+type Size = keyof typeof REMEMBERED;
 
-interface Layout extends Record<Height, boolean> {
+interface Layout extends Record<Size, boolean> {
   toggle: () => void;
 }
 
 const useLayout = create<Layout>((set, get) => ({
-  high: localStorage.getItem(REMEMBERED.high) !== "hidden",
-  low: localStorage.getItem(REMEMBERED.low) === "shown",
+  large: localStorage.getItem(REMEMBERED.large) !== "hidden",
+  small: localStorage.getItem(REMEMBERED.small) === "shown",
   toggle: () => {
-    const height: Height = matchMedia(LOW).matches ? "low" : "high";
-    const shown = !get()[height];
-    localStorage.setItem(REMEMBERED[height], shown ? "shown" : "hidden");
-    set({ [height]: shown });
+    const size: Size = matchMedia(SMALL).matches ? "small" : "large";
+    const shown = !get()[size];
+    localStorage.setItem(REMEMBERED[size], shown ? "shown" : "hidden");
+    set({ [size]: shown });
   },
 }));
 
 /** Whether the 3D view is shown. */
 export function useView3d(): boolean {
-  const low = useMediaQuery(LOW, undefined, { getInitialValueInEffect: false });
-  return useLayout((layout) => (low ? layout.low : layout.high));
+  const small = useMediaQuery(SMALL, undefined, { getInitialValueInEffect: false });
+  return useLayout((layout) => (small ? layout.small : layout.large));
 }
 
 /** Shows or hides the 3D view, and remembers the choice. */

@@ -8,6 +8,7 @@ from contextlib import suppress
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
 from skiros_py.errors import UsageError, WorldError
+from skiros_py.messages import joined
 from skiros_py.skills.conditions.effects import Relate, brought_about
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.change import Writer
@@ -129,4 +130,5 @@ def _why_not(view: Index, class_: str, element: str | None, relation: str, place
             after, edits = tx.finish()
             proposal = Proposal(view, after, edits, "somebody", Writer.PERSON)
             problems = list(view.reasoners.vetoes(proposal)) if edits else []
-    return "; ".join(problems).replace(_TRIAL, "it")
+    text = joined("; ", problems)
+    return text.replace(_TRIAL, "it") if _TRIAL in text else text

@@ -1,5 +1,6 @@
 /** Possible placements, by the ontology alone; and the server's check of one place. */
 
+import { said } from "../../i18n/sentences";
 import { answer, api, type Schema } from "../../api/client";
 import { ancestors, type Classes } from "../classes";
 import type { RelationInfo } from "../queries";
@@ -85,7 +86,7 @@ async function askFit(guest: Guest, place: string, relation: string): Promise<Fi
 function fitAt(options: readonly Schema<"PlacementOption">[], place: string): Fit | null {
   for (const { relation, label, accepted, places } of options) {
     const found = places.find((one) => one.id === place);
-    if (found !== undefined) return { relation, label, accepted, fits: found.fits, whyNot: found.why_not };
+    if (found !== undefined) return { relation, label, accepted, fits: found.fits, whyNot: said(found.why_not) };
   }
   return null;
 }
