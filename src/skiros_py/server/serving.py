@@ -163,7 +163,7 @@ class Serving(uvicorn.Server):
         await super().startup([])
         (listening,) = sockets or [self._listening]
         usual = {"config": self.config, "server_state": self.server_state, "app_state": self.lifespan.state}
-        self._connections.listen(listening, lambda: Connection(self._connections, **usual))
+        self._connections.listen(listening, lambda newcomer: Connection(self._connections, newcomer, **usual))
         self._on_listening()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
