@@ -15,6 +15,7 @@ from pathlib import Path
 import httpx2
 import uvicorn
 from fastapi import FastAPI
+from fastapi.concurrency import run_in_threadpool
 
 from skiros_py.api.server import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError, SkirosError, UsageError
@@ -179,6 +180,7 @@ class Serving(uvicorn.Server):
 
 
 async def _warm_up(app: FastAPI) -> None:
-    """Does all lazy initialisation in advance, because the first request may be a stop."""
+    """Does all lazy initialisation in advance, because the first request may be a stop, or delay one."""
+    await run_in_threadpool(lambda: None)  # loads what runs routes in threads, and streams
     async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
         await client.get("/healthz")

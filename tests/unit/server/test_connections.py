@@ -34,9 +34,15 @@ class Clients:
     def run(self, settings: ServerSettings, act: Callable[[Connections], Awaitable[None]]) -> None:
         """Accepts connections while a function runs."""
 
+        transports: list[asyncio.BaseTransport] = []
+
+        class Protocol(asyncio.Protocol):
+            def connection_made(self, transport: asyncio.BaseTransport) -> None:
+                transports.append(transport)
+
         def make(newcomer: Newcomer) -> asyncio.Protocol:
             self.served.append(newcomer)
-            return asyncio.Protocol()
+            return Protocol()
 
         async def run() -> None:
             connections = Connections(settings)
@@ -45,6 +51,10 @@ class Clients:
                 await act(connections)
             finally:
                 connections.close()
+                await asyncio.sleep(0.01)
+                for transport in transports:
+                    transport.close()
+                await asyncio.sleep(0)
 
         asyncio.run(run())
 
@@ -91,7 +101,6 @@ def test_the_end_of_a_header_is_found_in_any_pieces(clients: Clients, end: bytes
 @pytest.mark.parametrize("said", [b"\x16\x03\x01\x02", b"get / http", b"GET /" + b"x" * (64 << 10)])
 def test_what_is_no_header_is_left_to_the_protocol_which_refuses_it(clients: Clients, said: bytes) -> None:
     async def act(_connections: Connections) -> None:
-        clients.connect().setblocking(True)
         one = clients.connect()
         one.setblocking(True)
         await asyncio.to_thread(one.sendall, said)
