@@ -8,7 +8,7 @@ import re
 import resource
 import socket
 import time
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -30,6 +30,8 @@ _LONGEST_HEADER = 64 << 10
 _REQUEST = re.compile(rb"[A-Z\r\n]")
 """How a request begins: a method, after empty lines."""
 _END_OF_HEADER = re.compile(rb"\n\r?\n")
+_STOP = re.compile(rb"\s*POST \S*/api/v1/stop[ ?]")
+"""How the header of a stop begins."""
 _PIPELINED = 100
 """Maximum number of requests of one connection that wait until the one before them is answered."""
 _LOOK = 0.5
@@ -95,6 +97,7 @@ class Connections:
         self._all = _Group()
         self._networks: dict[str, _Group] = {}
         self._warned = -_SILENCE
+        self._ready: deque[Newcomer] = deque()
         self._accepting: set[asyncio.Task[Any]] = set()
         self._loop: asyncio.AbstractEventLoop
         self._listening: socket.socket | None = None
@@ -146,7 +149,26 @@ class Connections:
             newcomer.receive()
 
     def serve(self, newcomer: Newcomer) -> None:
-        """Answers the requests of a connection whose first header has arrived."""
+        """Answers the requests of a connection whose first header has arrived: a stop at once, others in turn.
+
+        One begins in a round of the event loop, so that many do not delay the acceptance of a stop.
+        """
+        if _STOP.match(newcomer.received):
+            self._begin(newcomer)
+            return
+        self._ready.append(newcomer)
+        if len(self._ready) == 1:
+            self._loop.call_soon(self._begin_next)
+
+    def _begin_next(self) -> None:
+        self._begin(self._ready.popleft())
+        if self._ready:
+            self._loop.call_soon(self._begin_next)
+
+    def _begin(self, newcomer: Newcomer) -> None:
+        if newcomer.closed:
+            return
+        self.discard(newcomer)
         making = self._loop.connect_accepted_socket(lambda: self._make(newcomer), newcomer.accepted)
         task = self._loop.create_task(making)
         self._accepting.add(task)
@@ -238,6 +260,11 @@ class Newcomer:
         accepted.setblocking(False)
         self._loop.add_reader(accepted, self.receive)
 
+    @property
+    def closed(self) -> bool:
+        """True once it is closed."""
+        return self.accepted.fileno() < 0
+
     def receive(self) -> None:
         """Reads what has arrived; a complete header is answered, and so is what begins no request."""
         try:
@@ -255,19 +282,16 @@ class Newcomer:
             or not _REQUEST.match(self.received)
             or len(self.received) > _LONGEST_HEADER
         ):
-            self._leave()
+            self._loop.remove_reader(self.accepted)
             self._connections.serve(self)
 
     def abort(self) -> None:
         """Closes the connection."""
-        self._leave()
+        self._connections.discard(self)
+        self._loop.remove_reader(self.accepted)
         self.accepted.close()
 
     check_progress = shutdown = abort
-
-    def _leave(self) -> None:
-        self._connections.discard(self)
-        self._loop.remove_reader(self.accepted)
 
 
 class Connection(HttpToolsProtocol):
