@@ -46,8 +46,8 @@ _WORDS = (
 )
 COUNTED = "CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES (0x534b430000000000);"
 """The migration that counts commits; each schema has it."""
-_DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
-"""Errors of the disk, which may end."""
+_DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY", "SQLITE_CORRUPT")
+"""Errors of the disk, which may end; SQLite takes a read that fails with EIO for a damaged file."""
 
 
 @dataclass(frozen=True, slots=True)
