@@ -105,7 +105,10 @@ class Schema:
     @property
     def damaged(self) -> str:
         """The message for a file that cannot be read as such."""
-        return f"the file is damaged, or no {self.kind}: restore a copy of it, or use another folder"
+        return (
+            f"the file is damaged, or no {self.kind}, or the disk cannot be read: restore a copy of it, or use another"
+            " folder"
+        )
 
 
 class Database:

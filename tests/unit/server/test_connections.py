@@ -14,6 +14,7 @@ from skiros_py.server.connections import Connections, Newcomer
 from skiros_py.server.settings import ServerSettings
 
 HALF, REST = b"GET /healthz HTTP/1.1\r\nHost: a\r\n", b"\r\n"
+STOP = b"POST /api/v1/stop HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n"
 
 
 class Clients:
@@ -105,6 +106,17 @@ def test_what_is_no_header_is_left_to_the_protocol_which_refuses_it(clients: Cli
         one.setblocking(True)
         await asyncio.to_thread(one.sendall, said)
         await clients.until_served(1)
+
+    clients.run(ServerSettings(), act)
+
+
+def test_a_stop_is_answered_before_requests_that_came_earlier(clients: Clients) -> None:
+    async def act(_connections: Connections) -> None:
+        for _ in range(50):
+            clients.connect(HALF + REST)
+        clients.connect(STOP)
+        await clients.until_served(51)
+        assert [bytes(one.received) for one in clients.served] == [STOP, *[HALF + REST] * 50]
 
     clients.run(ServerSettings(), act)
 
