@@ -69,7 +69,7 @@ class _Group:
 
     def __init__(self) -> None:
         self.idle: OrderedDict[Client, None] = OrderedDict()
-        self.busy: OrderedDict[Connection, None] = OrderedDict()
+        self.busy: OrderedDict[Client, None] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self.idle) + len(self.busy)
@@ -166,7 +166,7 @@ class Connections:
             self._loop.call_soon(self._begin_next)
 
     def _begin(self, newcomer: Newcomer) -> None:
-        if newcomer.closed:
+        if newcomer.accepted.fileno() < 0:  # closed meanwhile
             return
         self.discard(newcomer)
         making = self._loop.connect_accepted_socket(lambda: self._make(newcomer), newcomer.accepted)
@@ -223,10 +223,11 @@ class Connections:
         if self._listening is None:
             return
         now = self._loop.time()
-        for connection in [one for one in self._all.busy if one.transport.is_closing()]:
-            connection.wait_for_client(self.settings.stalled_seconds)  # it closes when the client has read everything
-        for connection in [one for one in self._all.idle if one.deadline < now]:
-            connection.check_progress()
+        for one in tuple(self._all.busy):
+            if isinstance(one, Connection) and one.transport.is_closing():  # once the client has read everything
+                one.wait_for_client(self.settings.stalled_seconds)
+        for late in [one for one in self._all.idle if one.deadline < now]:
+            late.check_progress()
         self._loop.call_later(_LOOK, self._check_deadlines)
 
 
@@ -259,11 +260,6 @@ class Newcomer:
         self.received = bytearray()
         accepted.setblocking(False)
         self._loop.add_reader(accepted, self.receive)
-
-    @property
-    def closed(self) -> bool:
-        """True once it is closed."""
-        return self.accepted.fileno() < 0
 
     def receive(self) -> None:
         """Reads what has arrived; a complete header is answered, and so is what begins no request."""

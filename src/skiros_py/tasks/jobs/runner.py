@@ -52,7 +52,7 @@ class JobRunner:
         at_once: How many jobs may run at the same time.
 
     Attributes:
-        fault: Why the disk cannot be read or written; empty if it can. Everything is paused meanwhile, and resumes by itself.
+        fault: Why the disk cannot be written; empty if it can. Everything is paused meanwhile, and resumes by itself.
     """
 
     def __init__(
