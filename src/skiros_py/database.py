@@ -6,11 +6,11 @@ import logging
 import os
 import sqlite3
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from skiros_py import commits
 from skiros_py.commits import CommitLog, LostCommits
@@ -19,6 +19,8 @@ from skiros_py.errors import DiskFault, FileError, WorldError
 from skiros_py.files import open_private
 
 _log = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """Size of the write-ahead log at which it is checkpointed [pages] (16 MB)."""
@@ -44,8 +46,8 @@ _WORDS = (
 )
 COUNTED = "CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES (0x534b430000000000);"
 """The migration that counts commits; each schema has it."""
-_DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY")
-"""Errors of the disk, which may end."""
+_DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY", "SQLITE_CORRUPT")
+"""Errors of the disk, which may end; SQLite takes a read that fails with EIO for a damaged file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,10 @@ class Schema:
     @property
     def damaged(self) -> str:
         """The message for a file that cannot be read as such."""
-        return f"the file is damaged, or no {self.kind}: restore a copy of it, or use another folder"
+        return (
+            f"the file is damaged, or no {self.kind}, or the disk cannot be read: restore a copy of it, or use another"
+            " folder"
+        )
 
 
 class Database:
@@ -118,6 +123,7 @@ class Database:
     Attributes:
         path: The file.
         fault: Why the last write failed; None if it did not.
+        unreadable: The records that :meth:`readable` has left out, by name.
     """
 
     def __init__(self, path: Path, schema: Schema, *, durable: bool = False, lookups: bool = False) -> None:
@@ -143,6 +149,7 @@ class Database:
         self._committed = self._synced = 0
         self._unsafe = False
         self.fault: DiskFault | None = None
+        self.unreadable: dict[str, FileError] = {}
         self._connection: sqlite3.Connection | None = None
         self._looking = threading.Lock()
         self._looker: sqlite3.Connection | None = None
@@ -269,6 +276,21 @@ class Database:
                 raise self._closed()
             with closing(self._looker.execute(sql, values)) as cursor:
                 return cursor.fetchall() if room is None else list(_fitting(cursor, room))
+
+    def readable(self, rows: Iterable[tuple[str, *tuple[Any, ...]]], read: Callable[..., T]) -> Iterator[T]:
+        """Yields the records that can be read; one that cannot is reported once, and hides no other.
+
+        Args:
+            rows: The rows of a query; the first column names the record.
+            read: Reads one, given its columns; raises FileError if it cannot be read.
+        """
+        for row in rows:
+            try:
+                yield read(*row)
+            except FileError as error:
+                if row[0] not in self.unreadable:
+                    self.unreadable[row[0]] = error
+                    _log.error("%s; it is left out, and stays in the file", error)
 
     def sync(self) -> None:
         """Waits until all committed writes survive a power failure, without blocking readers and writers.

@@ -14,7 +14,7 @@
     │       └── Removed       ... since its result was removed
     ├── Refused               a use case cannot be done now, with a code for programs: no plan, no simulation, ...
     ├── FileError             a file cannot be read or understood: path, line, reason
-    │   └── DiskFault         ... or cannot be written now: the disk is full, read-only or failing
+    │   └── DiskFault         ... or cannot be read or written now: the disk is full, read-only or failing
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
     │   └── Locked            ... because another user has locked an element
@@ -268,7 +268,7 @@ class FileError(SkirosError):
 
 
 class DiskFault(FileError):
-    """A file cannot be written now; the same write may succeed later."""
+    """A file cannot be read or written now; the same may succeed later."""
 
 
 class WorldError(SkirosError):

@@ -152,7 +152,7 @@ def test_damage_of_any_file_is_found_and_named(data: Path) -> None:
         f"recordings/{recording.name}",
     }  # fmt: skip
     said = skiros("data", "check", "--data", data).stdout
-    assert "row 2 of the table jobs cannot be understood" in said
+    assert "id last of the table jobs cannot be understood" in said
     assert "1 rows of the table changes cannot be read" in said
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -57,6 +58,21 @@ def test_a_header_that_trickles_does_not_extend_its_deadline(served: Served) -> 
             except ConnectionError:
                 return
     raise AssertionError("it is never closed")
+
+
+def test_a_request_that_arrives_in_pieces_is_answered(served: Served) -> None:
+    with connect(served.url) as one:
+        for piece in (HEALTH[:1], HEALTH[1:30], HEALTH[30:-1], HEALTH[-1:] + HEALTH[:20], HEALTH[20:]):
+            one.sendall(piece)
+            time.sleep(0.01)
+        answers = b""
+        while answers.count(b"200 OK") < 2:
+            answers += one.recv(4096)
+
+
+def test_what_is_no_request_is_refused_at_once(patient: Served) -> None:
+    with connect(patient.url, b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03") as one:  # TLS
+        assert one.recv(4096).startswith(b"HTTP/1.1 400")
 
 
 def test_an_idle_connection_is_closed_after_an_answer(served: Served) -> None:

@@ -94,23 +94,33 @@ def test_sigterm_during_a_job_with_open_streams_ends_cleanly_and_the_job_is_held
         assert over(client.http, "kit")["outcome"] == "aborted"
 
 
-def test_the_server_upgrades_an_old_job_file_and_leaves_one_of_a_later_version_alone(
+def test_the_server_upgrades_an_old_job_file_in_which_an_unreadable_job_is_named_and_hides_no_other(
     tmp_path: Path,
 ) -> None:
-    old, later = tmp_path / "old", tmp_path / "later"
-    old.mkdir()
-    write_old_jobs(old / "jobs.db")
-    with serving("kitting", old) as served, api_of(served) as api:
+    write_old_jobs(tmp_path / "jobs.db")
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as file, file:
+        file.execute("INSERT INTO jobs VALUES ('torn', 3, '{')")
+    with serving("kitting", tmp_path) as served, api_of(served) as api:
+        assert [job["id"] for job in api.get("/jobs").raise_for_status().json()["items"]] == ["cut", "waits"]
         assert job_of(api, "waits")["state"]["text"] == "AllowedToStart"
         assert job_of(api, "cut")["state"]["substates"] == ["Held"]
+        (alarm,) = [one for one in api.get("/alarms").json()["items"] if one["source"] == "job torn"]
+        assert "job torn cannot be read" in alarm["text"]
+        for refused in (api.get("/jobs/torn"), api.put("/jobs/torn", json=HOLDS)):
+            assert refused.status_code == 503
+            assert "job torn cannot be read" in refused.json()["detail"]
         assert api.put("/jobs/new", json=HOLDS).json()["number"] == 6
-    later.mkdir()
-    with closing(sqlite3.connect(later / "jobs.db")) as file:
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as file:
+        assert file.execute("SELECT data FROM jobs WHERE id = 'torn'").fetchall() == [("{",)]
+
+
+def test_the_server_leaves_a_job_file_of_a_later_version_alone(tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as file:
         file.executescript(OLD_JOBS.replace("user_version = 1", "user_version = 999"))
-    before = (later / "jobs.db").read_bytes()
-    with pytest.raises(FileError, match="has tables of version 999"), serving("kitting", later):
+    before = (tmp_path / "jobs.db").read_bytes()
+    with pytest.raises(FileError, match="has tables of version 999"), serving("kitting", tmp_path):
         pass
-    assert (later / "jobs.db").read_bytes() == before
+    assert (tmp_path / "jobs.db").read_bytes() == before
 
 
 OLD_JOBS = """

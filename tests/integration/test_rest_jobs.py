@@ -427,6 +427,13 @@ def test_an_order_is_refused_before_its_body_arrives_while_too_many_are_on_their
     assert api.put("/jobs/full", json=HOLDS).status_code == 202
 
 
+def test_an_order_whose_body_does_not_arrive_soon_gives_its_place_up(served, monkeypatch):
+    monkeypatch.setattr("skiros_py.server.access.gate._PATIENCE_WITH_ORDERS", 0.1)
+    header = b"PUT /api/v1/jobs/hung HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n"
+    with connect(served.url, header) as one:
+        assert one.recv(1 << 16).startswith(b"HTTP/1.1 408")
+
+
 def test_orders_whose_clients_wait_for_the_end_are_no_longer_on_their_way(served, api):
     header = b"PUT /api/v1/jobs/later HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n"
     with ThreadPoolExecutor(1) as pool:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import resource
 import socket
 import time
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
@@ -26,11 +27,16 @@ _FEWEST = 64
 """Number of connections that are accepted however low the limit of open files is."""
 _LONGEST_HEADER = 64 << 10
 """Maximum length of a header [bytes]; the gate refuses shorter ones with an explanation."""
+_REQUEST = re.compile(rb"[A-Z\r\n]")
+"""How a request begins: a method, after empty lines."""
+_END_OF_HEADER = re.compile(rb"\n\r?\n")
+_STOP = re.compile(rb"\s*POST \S*/api/v1/stop[ ?]")
+"""How the header of a stop begins."""
 _PIPELINED = 100
 """Maximum number of requests of one connection that wait until the one before them is answered."""
 _LOOK = 0.5
 """Period at which deadlines are checked [s]."""
-_ACCEPTED_AT_ONCE = 16
+_ACCEPTED_AT_ONCE = 64
 """Number of connections that are accepted before requests are served again."""
 _PAUSE = 0.05
 """Time until the next attempt after a connection could not be accepted [s]."""
@@ -62,8 +68,8 @@ class _Group:
     """
 
     def __init__(self) -> None:
-        self.idle: OrderedDict[Connection, None] = OrderedDict()
-        self.busy: OrderedDict[Connection, None] = OrderedDict()
+        self.idle: OrderedDict[Client, None] = OrderedDict()
+        self.busy: OrderedDict[Client, None] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self.idle) + len(self.busy)
@@ -91,21 +97,22 @@ class Connections:
         self._all = _Group()
         self._networks: dict[str, _Group] = {}
         self._warned = -_SILENCE
+        self._ready: deque[Newcomer] = deque()
         self._accepting: set[asyncio.Task[Any]] = set()
         self._loop: asyncio.AbstractEventLoop
         self._listening: socket.socket | None = None
-        self._make: Callable[[], Connection]
+        self._make: Callable[[Newcomer], Connection]
 
     # ------------------------------------------------------------------ accepting
 
-    def listen(self, listening: socket.socket, make: Callable[[], Connection]) -> None:
+    def listen(self, listening: socket.socket, make: Callable[[Newcomer], Connection]) -> None:
         """Starts to accept connections.
 
         The event loop's own server is not used: after a failure to accept, uvloop's stops listening for good.
 
         Args:
             listening: A listening socket, closed by the caller after :meth:`close`.
-            make: Creates the protocol of a connection.
+            make: Creates the protocol of a connection whose first header has arrived.
         """
         listening.setblocking(False)
         self._loop, self._listening, self._make = asyncio.get_running_loop(), listening, make
@@ -113,10 +120,12 @@ class Connections:
         self._check_deadlines()
 
     def close(self) -> None:
-        """Stops accepting connections."""
+        """Stops accepting connections, and closes those without a request."""
         if self._listening is not None:
             self._loop.remove_reader(self._listening)
             self._listening = None
+        for connection in tuple(self._all.idle):
+            connection.shutdown()
 
     def _resume(self) -> None:
         if self._listening is not None:
@@ -125,7 +134,7 @@ class Connections:
     def _accept(self, listening: socket.socket) -> None:
         for _ in range(_ACCEPTED_AT_ONCE):
             try:
-                accepted, _address = listening.accept()
+                accepted, address = listening.accept()
             except BlockingIOError:
                 return
             except ConnectionError:  # the client has gone
@@ -135,13 +144,39 @@ class Connections:
                 self._loop.remove_reader(listening)
                 self._loop.call_later(_PAUSE, self._resume)
                 return
-            task = self._loop.create_task(self._loop.connect_accepted_socket(self._make, accepted))
-            self._accepting.add(task)
-            task.add_done_callback(self._accepting.discard)
+            newcomer = Newcomer(self, accepted, str(address[0]))
+            self.add(newcomer)
+            newcomer.receive()
+
+    def serve(self, newcomer: Newcomer) -> None:
+        """Answers the requests of a connection whose first header has arrived: a stop at once, others in turn.
+
+        One begins in a round of the event loop, so that many do not delay the acceptance of a stop.
+        """
+        if _STOP.match(newcomer.received):
+            self._begin(newcomer)
+            return
+        self._ready.append(newcomer)
+        if len(self._ready) == 1:
+            self._loop.call_soon(self._begin_next)
+
+    def _begin_next(self) -> None:
+        self._begin(self._ready.popleft())
+        if self._ready:
+            self._loop.call_soon(self._begin_next)
+
+    def _begin(self, newcomer: Newcomer) -> None:
+        if newcomer.accepted.fileno() < 0:  # closed meanwhile
+            return
+        self.discard(newcomer)
+        making = self._loop.connect_accepted_socket(lambda: self._make(newcomer), newcomer.accepted)
+        task = self._loop.create_task(making)
+        self._accepting.add(task)
+        task.add_done_callback(self._accepting.discard)
 
     # ------------------------------------------------------------------ states
 
-    def add(self, connection: Connection) -> None:
+    def add(self, connection: Client) -> None:
         """Adds a new connection, and closes an old one if there are too many."""
         network = self._networks.setdefault(connection.network, _Group())
         if len(network) >= self.settings.connections_of_one and not self.settings.is_proxy(connection.address):
@@ -151,7 +186,7 @@ class Connections:
         self._networks.setdefault(connection.network, network)
         self.set_idle(connection)
 
-    def set_idle(self, connection: Connection) -> None:
+    def set_idle(self, connection: Client) -> None:
         """Marks a connection as waiting for its client."""
         for group in self._groups(connection):
             group.busy.pop(connection, None)
@@ -164,7 +199,7 @@ class Connections:
             if group.idle.pop(connection, _ABSENT) is not _ABSENT:
                 group.busy[connection] = None
 
-    def discard(self, connection: Connection) -> None:
+    def discard(self, connection: Client) -> None:
         """Removes a connection; may be called twice."""
         for group in self._groups(connection):
             group.idle.pop(connection, None)
@@ -172,7 +207,7 @@ class Connections:
         if not self._networks.get(connection.network, ()):
             self._networks.pop(connection.network, None)
 
-    def _groups(self, connection: Connection) -> tuple[_Group, ...]:
+    def _groups(self, connection: Client) -> tuple[_Group, ...]:
         network = self._networks.get(connection.network)
         return (self._all,) if network is None else (self._all, network)
 
@@ -188,21 +223,79 @@ class Connections:
         if self._listening is None:
             return
         now = self._loop.time()
-        for connection in [one for one in self._all.busy if one.transport.is_closing()]:
-            connection.wait_for_client(self.settings.stalled_seconds)  # it closes when the client has read everything
-        for connection in [one for one in self._all.idle if one.deadline < now]:
-            connection.check_progress()
+        for one in tuple(self._all.busy):
+            if isinstance(one, Connection) and one.transport.is_closing():  # once the client has read everything
+                one.wait_for_client(self.settings.stalled_seconds)
+        for late in [one for one in self._all.idle if one.deadline < now]:
+            late.check_progress()
         self._loop.call_later(_LOOK, self._check_deadlines)
 
 
 _ABSENT = object()
 
 
-class Connection(HttpToolsProtocol):
-    """One connection.
+class Newcomer:
+    """A connection until its first header has arrived: only a socket, since there may be thousands of them.
 
     Args:
         connections: All connections.
+        accepted: Its socket.
+        address: Address of the client, or of its proxy.
+
+    Attributes:
+        accepted: Its socket.
+        address: Address of the client, or of its proxy.
+        network: Key by which connections of one origin are counted.
+        deadline: Time until which the client has to send a complete header [s of the event loop].
+        received: What the client has sent.
+    """
+
+    def __init__(self, connections: Connections, accepted: socket.socket, address: str) -> None:
+        self._connections = connections
+        self._loop = asyncio.get_running_loop()
+        self.accepted = accepted
+        self.address = address
+        self.network = network_of(address)
+        self.deadline = self._loop.time() + connections.settings.header_seconds
+        self.received = bytearray()
+        accepted.setblocking(False)
+        self._loop.add_reader(accepted, self.receive)
+
+    def receive(self) -> None:
+        """Reads what has arrived; a complete header is answered, and so is what begins no request."""
+        try:
+            data = self.accepted.recv(_LONGEST_HEADER)
+        except BlockingIOError:
+            return
+        except OSError:  # the client has gone
+            data = b""
+        before = len(self.received)
+        self.received += data
+        if not data:
+            self.abort()
+        elif (
+            _END_OF_HEADER.search(self.received, max(0, before - 2))
+            or not _REQUEST.match(self.received)
+            or len(self.received) > _LONGEST_HEADER
+        ):
+            self._loop.remove_reader(self.accepted)
+            self._connections.serve(self)
+
+    def abort(self) -> None:
+        """Closes the connection."""
+        self._connections.discard(self)
+        self._loop.remove_reader(self.accepted)
+        self.accepted.close()
+
+    check_progress = shutdown = abort
+
+
+class Connection(HttpToolsProtocol):
+    """A connection whose first header has arrived.
+
+    Args:
+        connections: All connections.
+        newcomer: What it was before.
         **usual: Arguments of uvicorn's own protocol.
 
     Attributes:
@@ -211,22 +304,22 @@ class Connection(HttpToolsProtocol):
         deadline: Time until which the client has to send a complete header, or to read [s of the event loop].
     """
 
-    def __init__(self, connections: Connections, **usual: Any) -> None:
+    def __init__(self, connections: Connections, newcomer: Newcomer, **usual: Any) -> None:
         super().__init__(**usual)
         self._connections = connections
         self._settings = connections.settings
         self._header: int | None = None
         self._unread = 0
-        self.address = self.network = ""
-        self.deadline = 0.0
+        self._received = bytes(newcomer.received)
+        self.address = newcomer.address
+        self.network = newcomer.network
+        self.deadline = newcomer.deadline
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Waits for the first request."""
+        """Answers the first request."""
         super().connection_made(transport)
-        self.address = self.client[0] if self.client else ""
-        self.network = network_of(self.address)
         self._connections.add(self)
-        self.deadline = self.loop.time() + self._settings.header_seconds
+        self.data_received(self._received)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forgets the connection."""
@@ -305,3 +398,6 @@ class Connection(HttpToolsProtocol):
         self._unread = 0
         if self.cycle is not None and not self.cycle.response_complete:
             self._connections.set_busy(self)
+
+
+Client: TypeAlias = Newcomer | Connection

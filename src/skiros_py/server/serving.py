@@ -15,6 +15,7 @@ from pathlib import Path
 import httpx2
 import uvicorn
 from fastapi import FastAPI
+from fastapi.concurrency import run_in_threadpool
 
 from skiros_py.api.server import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError, SkirosError, UsageError
@@ -163,7 +164,7 @@ class Serving(uvicorn.Server):
         await super().startup([])
         (listening,) = sockets or [self._listening]
         usual = {"config": self.config, "server_state": self.server_state, "app_state": self.lifespan.state}
-        self._connections.listen(listening, lambda: Connection(self._connections, **usual))
+        self._connections.listen(listening, lambda newcomer: Connection(self._connections, newcomer, **usual))
         self._on_listening()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -179,6 +180,7 @@ class Serving(uvicorn.Server):
 
 
 async def _warm_up(app: FastAPI) -> None:
-    """Does all lazy initialisation in advance, because the first request may be a stop."""
+    """Does all lazy initialisation in advance, because the first request may be a stop, or delay one."""
+    await run_in_threadpool(lambda: None)  # loads what runs routes in threads, and streams
     async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
         await client.get("/healthz")

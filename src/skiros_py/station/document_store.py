@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -87,9 +88,9 @@ class DocumentStore:
         self._path = path
 
     def all(self, kind: str) -> tuple[Document, ...]:
-        """Returns the documents of a kind, by name."""
+        """Returns the documents of a kind that can be read, by name."""
         rows = self._database.rows("SELECT name, version, data FROM documents WHERE kind = ? ORDER BY name", (kind,))
-        return tuple(self._document(kind, *row) for row in rows)
+        return tuple(self._database.readable(rows, partial(self._document, kind)))
 
     def get(self, kind: str, name: str) -> Document | None:
         """Returns a document; None if there is none."""
@@ -161,8 +162,8 @@ class DocumentStore:
     def _check(self, kind: str, name: str, expects: int | None) -> None:
         if expects is None:
             return
-        found = self.get(kind, name)
-        now = found.version if found is not None else 0
+        rows = self._database.rows("SELECT version FROM documents WHERE kind = ? AND name = ?", (kind, name))
+        now = rows[0][0] if rows else 0
         if now != expects:
             said = Message("version {version} is there", version=now) if now else Message("there is none")
             raise StaleVersion(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
+from support import warm_python
 
 from skiros_py.geometry import Pose
 from skiros_py.motion.pinocchio.kinematics import PinocchioKinematics
@@ -36,3 +38,17 @@ def test_the_joints_of_a_model_are_its_own_whatever_its_root_is_called(tmp_path:
 
     assert dict(table.joints) == {"lift": JointRange(0.0, 0.2, 1.0)}
     assert table.pose("plate", {"lift": 0.1}).position == pytest.approx((0.0, 0.0, 0.6))
+
+
+def test_a_pose_is_computed_without_importing_scipy(tmp_path: Path) -> None:
+    """The event loop of a server computes them, and must not wait for a second of imports."""
+    (tmp_path / "model.urdf").write_text(TABLE, encoding="utf-8")
+    code = (
+        "import sys; from skiros_py.motion.pinocchio.kinematics import PinocchioKinematics;"
+        f"table = PinocchioKinematics({str(tmp_path / 'model.urdf')!r});"
+        "table.pose('plate', {'lift': 0.1}); table.poses({}); assert 'scipy' not in sys.modules"
+    )
+
+    ended = warm_python.run([sys.executable, "-c", code])
+
+    assert (ended.returncode, ended.stderr) == (0, "")

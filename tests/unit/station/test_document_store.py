@@ -4,7 +4,7 @@ from contextlib import closing
 
 import pytest
 
-from skiros_py.errors import StaleVersion, UnknownName
+from skiros_py.errors import FileError, StaleVersion, UnknownName
 from skiros_py.station.document_store import DocumentStore
 
 
@@ -39,6 +39,18 @@ def test_a_document_is_overwritten_only_with_its_expected_version(store):
     with pytest.raises(StaleVersion):
         store.remove("sequence", "a", expects=first.version)
     assert store.find("sequence", "a") == second
+
+
+def test_an_unreadable_document_hides_no_others_and_can_be_replaced(store):
+    store.put("sequence", "a", 1)
+    version = store.put("sequence", "b", 2).version
+    with store._database.transaction() as connection:
+        connection.execute("UPDATE documents SET data = '{' WHERE name = 'b'")
+    assert [document.name for document in store.all("sequence")] == ["a"]
+    with pytest.raises(FileError, match="the sequence 'b' in it cannot be read"):
+        store.get("sequence", "b")
+    assert store.put("sequence", "b", 3, expects=version).data == 3
+    assert [document.name for document in store.all("sequence")] == ["a", "b"]
 
 
 def test_a_recreated_document_has_a_new_version(store):

@@ -151,13 +151,13 @@ class PinocchioKinematics:
         """
         frame = self._frame(link)
         data = self._computed(positions)
-        return Pose.from_matrix(data.oMf[self._base].actInv(data.oMf[frame]).homogeneous)
+        return _pose(data.oMf[self._base].actInv(data.oMf[frame]))
 
     def poses(self, positions: Mapping[str, float]) -> dict[str, Pose]:
         """Returns the poses of all links in the frame of the base link."""
         data = self._computed(positions)
         base = data.oMf[self._base]
-        return {link: Pose.from_matrix(base.actInv(data.oMf[self._frames[link]]).homogeneous) for link in self.parents}
+        return {link: _pose(base.actInv(data.oMf[self._frames[link]])) for link in self.parents}
 
     def jacobian(self, link: str, positions: Mapping[str, float], joints: Sequence[str]) -> Array:
         """Returns the velocity of a link per velocity of some joints, in the frame of the link, shape (6, joints).
@@ -231,3 +231,8 @@ def kinematics_of(model: str) -> PinocchioKinematics:
     """
     with TemporaryDirectory(prefix="skiros-model-") as directory:
         return PinocchioKinematics(write_robot_urdf(model, Path(directory)))
+
+
+def _pose(placement: pin.SE3) -> Pose:
+    x, y, z, *orientation = pin.SE3ToXYZQUAT(placement).tolist()
+    return Pose((x, y, z), tuple(orientation))

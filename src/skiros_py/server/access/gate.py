@@ -43,8 +43,9 @@ _LOGINS = 50
 _LOGINS_OF_ONE = 10
 """Maximum number of concurrent logins, in total and from one network."""
 _PATIENCE = 30.0
+_PATIENCE_WITH_ORDERS = 5.0
 _PATIENCE_WITH_STRANGERS = 2.0
-"""Maximum time until a body has arrived [s]."""
+"""Maximum time until a body has arrived [s]; while an order waits for it, it may keep others away."""
 _NOBODY = Caller("", Role.VIEWER)
 
 _LONGEST_URL = 8 << 10
@@ -137,20 +138,19 @@ class Gate:
             await self._app(scope, receive, answer)
             return
         self._check_rate(request.state.caller)
+        patience = _PATIENCE
         with ExitStack() as place:
             if _ORDER.fullmatch(" ".join(what)):  # refused at once, before it waits for its turn and its body is read
                 place.enter_context(self._orders.take(""))
                 request.state.place = place
+                patience = _PATIENCE_WITH_ORDERS
             await self._turn()
-            await self._pass_on(request, headers, receive, answer)
-
-    async def _pass_on(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
-        with self._requests.take(""):
-            if request.method not in SAFE:
-                body = await read_body(headers, receive, self._services.settings.body, _PATIENCE)
-                receive = replayed(body, receive)
-                await self._turn()
-            await self._app(request.scope, receive, answer)
+            with self._requests.take(""):
+                if request.method not in SAFE:
+                    body = await read_body(headers, receive, self._services.settings.body, patience)
+                    receive = replayed(body, receive)
+                    await self._turn()
+                await self._app(scope, receive, answer)
 
     async def _turn(self) -> None:
         """Waits for its turn: one request begins in a round of the event loop, so that many do not delay a stop."""

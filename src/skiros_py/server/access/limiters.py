@@ -8,10 +8,12 @@ import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 
 from skiros_py.server.problems import Problem
 
 
+@lru_cache(1024)
 def network_of(address: str) -> str:
     """Returns the key by which unauthenticated callers are counted: the address, or the network for IPv6."""
     try:

@@ -12,12 +12,12 @@ from typing import Any
 
 from cloudevents.core.formats.json import JSONFormat
 from cloudevents.core.v1.event import CloudEvent
-from pydantic import Field
+from pydantic import Field, ValidationError
 from standardwebhooks import Webhook as Signer
 
 from skiros_py.api.webhooks import Delivery, DeliveryState, Webhook
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import Busy, UnknownName
+from skiros_py.errors import Busy, FileError, UnknownName
 from skiros_py.station.jobs.views import Announcement, state_name
 
 JOB_STATE = "io.skiros.job.state.v1"
@@ -140,9 +140,16 @@ class WebhookStore:
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
-        """Returns all subscriptions, by id."""
-        rows = self._database.rows("SELECT data FROM subscriptions ORDER BY id")
-        return tuple(Subscription.model_validate_json(data) for (data,) in rows)
+        """Returns all subscriptions that can be read, by id."""
+        rows = self._database.rows("SELECT id, data FROM subscriptions ORDER BY id")
+        return tuple(self._database.readable(rows, self._subscription))
+
+    def _subscription(self, webhook: str, data: str) -> Subscription:
+        try:
+            return Subscription.model_validate_json(data)
+        except ValidationError as error:
+            reason = f"webhook {webhook} cannot be read: {error.errors()[0]['msg']}"
+            raise FileError(self._database.path, reason) from error
 
     def subscription(self, webhook: str) -> Subscription:
         """Returns a subscription.
@@ -189,9 +196,10 @@ class WebhookStore:
         Raises:
             UnknownName: There is none with this id.
         """
-        self.subscription(webhook)
         with self._database.transaction(f"webhook {webhook}, removed") as connection:
-            connection.execute("DELETE FROM subscriptions WHERE id = ?", (webhook,))
+            removed = connection.execute("DELETE FROM subscriptions WHERE id = ? RETURNING id", (webhook,)).fetchall()
+            if not removed:  # one that cannot be read is removed like others
+                self.subscription(webhook)
             connection.execute("DELETE FROM deliveries WHERE webhook = ?", (webhook,))
 
     # ------------------------------------------------------------------ messages to send
@@ -210,11 +218,11 @@ class WebhookStore:
             tell: Returns the data of a message.
         """
         with self._database.transaction(f"messages about {len(announcements)} announcements") as connection:
-            rows = connection.execute("SELECT data, seen, last FROM subscriptions").fetchall()
-            for data, seen, last in rows:
-                subscription, number = Subscription.model_validate_json(data), int(last)
+            readable = {one.id: one for one in self.subscriptions}
+            for id_, seen, last in connection.execute("SELECT id, seen, last FROM subscriptions").fetchall():
+                subscription, number = readable.get(id_), int(last)
                 for one in announcements:
-                    if one.number > seen and subscription.wants(state_of(one), one.job.id):
+                    if subscription and one.number > seen and subscription.wants(state_of(one), one.job.id):
                         number += 1
                         text = payload(
                             event := f"{subscription.id}-{one.number}",
@@ -228,7 +236,7 @@ class WebhookStore:
                         _insert(connection, (subscription.id, number, one.job.id, event, one.wall, text))
                 connection.execute(
                     "UPDATE subscriptions SET seen = max(seen, ?), last = ? WHERE id = ?",
-                    (announcements[-1].number, number, subscription.id),
+                    (announcements[-1].number, number, id_),
                 )
 
     def ping(self, webhook: str, now: float) -> int:

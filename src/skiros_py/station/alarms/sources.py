@@ -45,6 +45,7 @@ class AlarmSources:
         alarms.clear_all(AlarmKind.STATION)
         for job in session.jobs.open.values():
             self._job(job)
+        self._look_at_records()
         # The jobs' own observer comes before this one: what a job asks is known when the questions are looked at.
         session.on_close(
             self._close,
@@ -86,6 +87,7 @@ class AlarmSources:
         cycle = session.cycle.board.snapshot.cycle
         if cycle % _SELDOM == 0:
             self._look_at_plugins()
+            self._look_at_records()
         for agent in session.managers:
             manager = session.managers.get(agent)
             if manager is not None and bool(manager.lost) != (agent in self._lost):
@@ -127,6 +129,16 @@ class AlarmSources:
                     choices=question.options,
                     question=number,
                 )
+
+    def _look_at_records(self) -> None:
+        """Jobs that cannot be read are neither listed nor executed."""
+        for name, fault in dict(self._session.jobs.store.unreadable).items():
+            text = Message(
+                "{file}: {reason}; it is left out: 'skiros data check' lists what is damaged; restore a backup",
+                file=fault.path.name,
+                reason=fault.reason,
+            )
+            self._alarms.raise_(AlarmKind.JOB, text, name, severity=Severity.HIGH)
 
     def _note_manager(self, agent: str, lost: str) -> None:
         if lost:

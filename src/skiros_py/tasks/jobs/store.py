@@ -86,6 +86,7 @@ _LAST = 2**63 - 1
 _ROOM = 4 << 20
 """Maximum size of a page [characters]; further jobs go to the next page."""
 
+_JOB = Job.model_validate_json
 _TRACE = TypeAdapter(dict[str, Any])
 
 
@@ -127,6 +128,11 @@ class JobStore:
     def fault(self) -> DiskFault | None:
         """Why the disk cannot be written; None if it can."""
         return self._database.fault
+
+    @property
+    def unreadable(self) -> Mapping[str, FileError]:
+        """The records that were left out because they cannot be read, by name, such as "job kit-7"."""
+        return self._database.unreadable
 
     def probe(self) -> None:
         """Tries to write.
@@ -178,18 +184,14 @@ class JobStore:
     # ------------------------------------------------------------------ jobs
 
     def open(self) -> tuple[Job, ...]:
-        """Returns the jobs that are not over, in the order in which they were ordered.
-
-        Raises:
-            FileError: One cannot be read.
-        """
-        rows = self._database.rows("SELECT data FROM jobs WHERE state < ? ORDER BY number", (JobState.ENDED.value,))
-        return tuple(self._job(data) for (data,) in rows)
+        """Returns the jobs that are not over and can be read, in the order in which they were ordered."""
+        sql = "SELECT 'job ' || id, data FROM jobs WHERE state < ? ORDER BY number"
+        return self._readable(self._database.rows(sql, (JobState.ENDED.value,)), _JOB)
 
     def job(self, job: str) -> Job | None:
         """Returns a job; None if there is none with that id."""
         rows = self._database.rows("SELECT data FROM jobs WHERE id = ?", (job,))
-        return self._job(rows[0][0]) if rows else None
+        return self._read(f"job {job}", rows[0][0], _JOB) if rows else None
 
     def ids(self) -> tuple[str, ...]:
         """Returns the ids of all jobs, in the order in which they were ordered."""
@@ -198,7 +200,7 @@ class JobStore:
     def removed(self, job: str) -> Job | None:
         """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
-        return self._job(rows[0][0]) if rows else None
+        return self._read(f"job {job}", rows[0][0], _JOB) if rows else None
 
     def page(
         self,
@@ -209,7 +211,7 @@ class JobStore:
         limit: int = 100,
         newest_first: bool = False,
     ) -> Page:
-        """Returns some of the jobs, in the order in which they were ordered, or back from the last one.
+        """Returns some of the jobs that can be read, in the order in which they were ordered, or back from the last.
 
         Args:
             states: Those in these states only; None for all.
@@ -229,11 +231,12 @@ class JobStore:
             changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY {order}"
             where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"
             values = (since, *values)
-        sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY {order} LIMIT ?"  # noqa: S608
+        sql = f"SELECT data, id, number FROM jobs WHERE {where} ORDER BY {order} LIMIT ?"  # noqa: S608
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
-        is_last = len(rows) <= limit and sum(len(data) for data, _ in rows) < _ROOM
-        jobs = tuple(self._job(data) for data, _ in rows[:limit])
-        return Page(jobs, None if is_last else jobs[-1].number)
+        is_last = len(rows) <= limit and sum(len(data) for data, _, _ in rows) < _ROOM
+        shown = rows[:limit]
+        jobs = self._readable(((f"job {id_}", data) for data, id_, _ in shown), _JOB)
+        return Page(jobs, None if is_last else shown[-1][2])
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
         """Adds a new job and assigns it a new number.
@@ -300,16 +303,16 @@ class JobStore:
         Raises:
             KeyReused: The key was used for another request.
         """
-        sql = "SELECT digest, coalesce(last, (SELECT data FROM jobs WHERE id = job)) FROM receipts"
+        sql = "SELECT digest, job, coalesce(last, (SELECT data FROM jobs WHERE id = job)) FROM receipts"
         rows = self._database.rows(f"{sql} WHERE caller = ? AND key = ?", (receipt.caller, receipt.key))
         if not rows:
             return None
-        ((digest, data),) = rows
+        ((digest, job, data),) = rows
         if digest != receipt.digest:
             raise KeyReused(
                 "the key '{key}' was used for another order: take a new key for each new order", key=receipt.key
             )
-        return self._job(data)
+        return self._read(f"job {job}", data, _JOB)
 
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
         """Records that a request led to an existing job."""
@@ -317,15 +320,19 @@ class JobStore:
             _keep_receipt(connection, receipt, job.id, wall)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
-        """Returns the announcements to forward, in order.
+        """Returns the announcements to forward that can be read, in order.
 
         Args:
             after: Number of the last one received; 0 for none.
             most: How many at most.
         """
-        sql = "SELECT number, wall, data, trigger FROM announcements WHERE number > ? ORDER BY number LIMIT ?"
-        rows = self._database.looked_up(sql, (after, most))
-        return tuple(Announcement(number, wall, self._job(data), trigger) for number, wall, data, trigger in rows)
+        sql = "SELECT 'announcement ' || number, data, number, wall, trigger FROM announcements WHERE number > ?"
+        rows = self._database.looked_up(f"{sql} ORDER BY number LIMIT ?", (after, most))
+
+        def read(name: str, data: str, number: int, wall: float, trigger: str) -> Announcement:
+            return Announcement(number, wall, self._read(name, data, _JOB), trigger)
+
+        return tuple(self._database.readable(rows, read))
 
     @property
     def last_announcement(self) -> int:
@@ -364,14 +371,14 @@ class JobStore:
             connection.execute("UPDATE intents SET data = ? WHERE job = ? AND number = ?", (text, job, number))
 
     def intents(self, job: str) -> tuple[Intent, ...]:
-        """Returns the steps that were started for a job, in order."""
-        rows = self._database.rows("SELECT data FROM intents WHERE job = ? ORDER BY number", (job,))
-        return tuple(self._read(Intent.model_validate_json, data) for (data,) in rows)
+        """Returns the steps that were started for a job and can be read, in order."""
+        sql = "SELECT 'step ' || number || ' of job ' || job, data FROM intents WHERE job = ? ORDER BY number"
+        return self._readable(self._database.rows(sql, (job,)), Intent.model_validate_json)
 
     def transitions(self, job: str) -> tuple[Transition, ...]:
-        """Returns a job's state changes, in order."""
-        rows = self._database.looked_up("SELECT data FROM transitions WHERE job = ? ORDER BY rowid", (job,))
-        return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
+        """Returns the state changes of a job that can be read, in order."""
+        sql = "SELECT 'a state change of job ' || job, data FROM transitions WHERE job = ? ORDER BY rowid"
+        return self._readable(self._database.looked_up(sql, (job,)), Transition.model_validate_json)
 
     def add_trace(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
         """Adds to a job's trace."""
@@ -388,7 +395,7 @@ class JobStore:
         """
         sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
         rows = self._database.looked_up(sql, (job, -1 if limit is None else limit, min(skip, _LAST)))
-        return tuple(self._read(_TRACE.validate_json, data) for (data,) in rows)
+        return tuple(self._read(f"the trace of job {job}", data, _TRACE.validate_json) for (data,) in rows)
 
     def together(self) -> AbstractContextManager[object]:
         """Commits everything that this thread writes in a ``with`` at its end, or nothing of it if it fails."""
@@ -400,25 +407,27 @@ class JobStore:
         self._calling.shutdown()
         self._database.close()
 
-    def _job(self, text: str) -> Job:
-        return self._read(Job.model_validate_json, text)
+    def _readable(self, rows: Iterable[tuple[str, str]], reader: Callable[[str], T]) -> tuple[T, ...]:
+        return tuple(self._database.readable(rows, lambda name, text: self._read(name, text, reader)))
 
-    def _read(self, reader: Callable[[str], T], text: str) -> T:
+    def _read(self, name: str, text: str, reader: Callable[[str], T]) -> T:
         try:
             return reader(text)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
-            raise FileError(self._path, f"a job in it cannot be read: {where}: {first['msg']}") from error
+            why = ": ".join(filter(None, (where, first["msg"])))
+            raise FileError(self._path, f"{name} cannot be read: {why}") from error
 
 
-_MODELS: Mapping[str, type[BaseModel]] = {
-    "jobs": Job,
-    "announcements": Job,
-    "removed": Job,
-    "transitions": Transition,
-    "intents": Intent,
+_MODELS: Mapping[str, tuple[str, type[BaseModel]]] = {
+    "jobs": ("id", Job),
+    "announcements": ("number", Job),
+    "removed": ("id", Job),
+    "transitions": ("job", Transition),
+    "intents": ("job", Intent),
 }
+"""The tables of records, each with the column that names them."""
 
 
 def unreadable_jobs(file: DatabaseFile) -> Iterator[str]:
@@ -428,14 +437,14 @@ def unreadable_jobs(file: DatabaseFile) -> Iterator[str]:
         FileError: The file cannot be read.
     """
     there = {name for (name,) in file.rows("SELECT name FROM sqlite_schema WHERE type = 'table'")}
-    for table, model in _MODELS.items():
+    for table, (name, model) in _MODELS.items():
         if table not in there:  # of an earlier version
             continue
-        for row, data in file.rows(f"SELECT row_number() OVER (), data FROM {table}"):  # noqa: S608 - our own names
+        for row, data in file.rows(f"SELECT {name}, data FROM {table}"):  # noqa: S608 - our own names
             try:
                 model.model_validate_json(data)
             except ValidationError as error:
-                yield f"row {row} of the table {table} cannot be understood: {error.errors()[0]['msg']}"
+                yield f"{name} {row} of the table {table} cannot be understood: {error.errors()[0]['msg']}"
 
 
 def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:

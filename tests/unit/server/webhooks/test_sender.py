@@ -14,6 +14,7 @@ from standardwebhooks import Webhook as Checker
 from standardwebhooks import WebhookVerificationError
 
 from skiros_py.api.webhooks import Deliveries, DeliveryState
+from skiros_py.errors import UnknownName
 from skiros_py.server.webhooks.sender import Patience, WebhookSender
 from skiros_py.server.webhooks.store import Subscription, WebhookStore, new_secret
 from skiros_py.tasks.jobs.job import Job, JobOrder, JobState
@@ -170,6 +171,23 @@ def test_messages_of_one_job_arrive_in_order_even_if_the_target_fails_sometimes(
         numbers = [e["data"]["number"] for e in target.events if e["subject"] == job]
         assert numbers == sorted(numbers)
         assert len(set(numbers)) == sum(one.job.id == job for one in jobs.all)
+
+
+def test_a_webhook_that_cannot_be_read_delays_no_others_and_can_be_removed(tmp_path, target):
+    jobs = _Jobs()
+    with _office(tmp_path, jobs) as (store, office):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", "wh_torn")
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        with store._database.transaction() as connection:
+            connection.execute("UPDATE subscriptions SET data = '{' WHERE id = 'wh_torn'")
+        jobs.announce("j1")
+        office.wake()
+        _until(_done(store, 1))
+        _until(lambda: jobs.forgotten == 1)
+        assert [one.id for one in store.subscriptions] == ["wh_1"]
+        store.remove("wh_torn")
+        with pytest.raises(UnknownName):
+            store.remove("wh_torn")
 
 
 def test_every_try_of_a_message_has_the_same_id(tmp_path, target):

@@ -7,7 +7,7 @@ import os
 import resource
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from itertools import count
 from pathlib import Path
 
@@ -72,6 +72,24 @@ def no_room(file: Path) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@contextmanager
+def broken(file: Path) -> Iterator[None]:
+    """The kernel refuses with EIO what SQLite writes into, or reads from, the log of a file."""
+    memory = os.open("/proc/self/mem", os.O_RDWR)  # the addresses of the first pages belong to nobody
+    links = [link for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
+    logs = [int(link.name) for link in links if link.readlink().name == f"{file.name}-wal"]
+    before = [os.dup(descriptor) for descriptor in logs]
+    for descriptor in logs:
+        os.dup2(memory, descriptor)
+    try:
+        yield
+    finally:
+        for descriptor, kept in zip(logs, before, strict=True):
+            os.dup2(kept, descriptor)
+            os.close(kept)
+        os.close(memory)
 
 
 @pytest.fixture
@@ -153,15 +171,19 @@ def test_no_step_starts_while_its_intent_cannot_be_synced_and_the_job_goes_on_by
     assert [one.trigger for one in paced.jobs.transitions("a") if one.trigger in HELD] == ["hold", "resume"]
 
 
-def test_a_write_that_fails_once_between_steps_holds_the_job_for_a_moment_only(paced: Paced, tmp_path: Path) -> None:
+@pytest.mark.parametrize("disk", [no_room, broken])
+def test_a_write_that_fails_once_between_steps_holds_the_job_for_a_moment_only(
+    paced: Paced, tmp_path: Path, disk: Callable[[Path], AbstractContextManager[None]]
+) -> None:
     paced.jobs.submit(ORDER)
     paced.step_until(lambda: any(event.kind == "skill" for event in paced.bench.events))
-    with no_room(tmp_path / "jobs.db"):
+    with disk(tmp_path / "jobs.db"):
         paced.step_until(lambda: bool(paced.jobs.fault))
+        assert paced.jobs.shown(paced.jobs.job("a")).state is JobState.INTERRUPTED
         with pytest.raises(DiskFault):
             paced.jobs.submit_all([Submission(ORDER.model_copy(update={"id": id_})) for id_ in "bc"])
         assert set(paced.jobs.open) <= {"a"}
-        assert [job.id for job in paced.store.page().jobs] == ["a"]
+    assert [job.id for job in paced.store.page().jobs] == ["a"]
     paced.step_until(lambda: paced.jobs.idle)
 
     assert paced.jobs.job("a").outcome is Outcome.SUCCEEDED

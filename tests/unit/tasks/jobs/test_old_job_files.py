@@ -88,10 +88,43 @@ def test_a_job_added_to_an_upgraded_file_has_the_next_number_and_the_first_annou
     assert store.last_announcement == 1
 
 
-def test_an_unreadable_job_is_reported_when_the_jobs_are_read(tmp_path):
-    write(tmp_path / "jobs.db")
-    with closing(sqlite3.connect(tmp_path / "jobs.db")) as connection:
-        connection.execute("UPDATE jobs SET data = '{' WHERE id = 'waits'")
-        connection.commit()
-    with closing(JobStore(tmp_path / "jobs.db")) as store, pytest.raises(FileError, match="a job in it cannot be read"):
-        store.open()
+def damage(store: JobStore, table: str, which: str) -> None:
+    """Makes records unreadable."""
+    with store._database.transaction() as connection:
+        connection.execute(f"UPDATE {table} SET data = '{{' WHERE {which}")
+
+
+def test_unreadable_jobs_are_named_and_hide_no_others(store):
+    damage(store, "jobs", "id IN ('over', 'waits')")
+    assert [job.id for job in store.open()] == ["cut"]
+    assert list(store.unreadable) == ["job waits"]
+    seen, after = [], 0
+    while after is not None:
+        page = store.page(after=after, limit=1)
+        seen += [job.id for job in page.jobs]
+        after = page.next
+    assert seen == ["cut"]
+    assert list(store.unreadable) == ["job waits", "job over"]
+    with pytest.raises(FileError, match="job waits cannot be read: Invalid JSON"):
+        store.job("waits")
+    assert store.ids() == ("over", "cut", "waits")
+
+
+@pytest.mark.parametrize(
+    ("table", "name"), [("intents", "step 1 of job cut"), ("transitions", "a state change of job cut")]
+)
+def test_an_unreadable_record_of_a_job_is_named_and_hides_no_others(store, table, name):
+    damage(store, table, "job = 'cut'")
+    store.intend("cut", "place", {})
+    store.keep(store.job("cut"), Trigger.HOLD)
+    assert [intent.skill for intent in store.intents("cut")] == ["pick", "place"][table == "intents" :]
+    assert [each.trigger for each in store.transitions("cut")] == ["dispatch", "hold"][table == "transitions" :]
+    assert list(store.unreadable) == [name]
+
+
+def test_an_unreadable_announcement_is_named_and_hides_no_others(store):
+    for trigger in (Trigger.HOLD, Trigger.RESUME):
+        store.keep(store.job("cut"), trigger)
+    damage(store, "announcements", "number = 1")
+    assert [each.trigger for each in store.announcements(0, 9)] == ["resume"]
+    assert list(store.unreadable) == ["announcement 1"]
