@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
@@ -12,14 +12,17 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.floor_obstacles import driving, reach
+from skiros_primitives.contact import believe_obstacle
+from skiros_primitives.floor_obstacles import driving
+from skiros_primitives.lookout import Lookout, believe_seen
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import MobileSpec
+from skiros_py.ports.kinematics import Dynamics
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
-from skiros_py.ports.paths import Outline, Path
-from skiros_py.skills.context import Way
+from skiros_py.ports.paths import Layer, Outline, Path, reach
+from skiros_py.skills.context import RunContext, Way
 from skiros_py.skills.outcome import OBSTRUCTED, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -30,6 +33,39 @@ _PATIENCE = 60.0
 """Longest time without progress on the path [s]."""
 
 
+_PUSH = 70.0
+"""Force of the drives beyond what speeding up needs from which the base has met something [N]."""
+_PUSHES = 3
+"""Number of cycles in a row in which it is felt."""
+
+
+class Bumper:
+    """Feels in the force of its drives whether a base pushes something; to be asked once per cycle.
+
+    Args:
+        context: The run.
+        base: The base; if its state has no ``force``, or the mass of its robot is unknown, nothing is felt.
+    """
+
+    def __init__(self, context: RunContext, base: Mobile) -> None:
+        dynamics = context.ports.find(Dynamics, base.id)
+        self._mass = dynamics.mass if dynamics is not None else None
+        self._base = base
+        self._period = context.board.period
+        self._before = getattr(base.state, "linear", 0.0)
+        self._pushes = 0
+
+    def felt(self) -> bool:
+        """Returns True when the base has pushed something for some cycles."""
+        state, force = self._base.state, getattr(self._base.state, "force", None)
+        if force is None or self._mass is None:
+            return False
+        needed = self._mass * (state.linear - self._before) / self._period
+        self._before = state.linear
+        self._pushes = self._pushes + 1 if abs(force - needed) > _PUSH else 0
+        return self._pushes >= _PUSHES
+
+
 class DrivingPrimitive(Primitive[Any]):
     """Base of the primitives that drive; their parameters have fields ``base`` and ``robot``."""
 
@@ -37,6 +73,11 @@ class DrivingPrimitive(Primitive[Any]):
     def pose(self) -> Pose:
         """Pose of the robot in the map, as localised."""
         return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot, self.context.board.guard)
+
+    bumped = False
+    """True when the last drive was broken off because the base met something."""
+    seen: Sequence[str] = ()
+    """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
 
     def rides(self, element: str) -> bool:
         """Returns True when an element moves with the base."""
@@ -52,7 +93,14 @@ class DrivingPrimitive(Primitive[Any]):
                 tx.place(self.params.robot, v.AT, floors[0])
 
     def drive(
-        self, base: Mobile, path: Path, way: Way, *, max_linear: float = math.inf, max_angular: float = math.inf
+        self,
+        base: Mobile,
+        path: Path,
+        way: Way,
+        *,
+        max_linear: float = math.inf,
+        max_angular: float = math.inf,
+        lookout: Lookout | None = None,
     ) -> Execution[float | None]:
         """Follows a path, and waits until the base stands.
 
@@ -62,12 +110,14 @@ class DrivingPrimitive(Primitive[Any]):
             way: The floor that was granted for it.
             max_linear: Greatest speed [m/s], besides the limit of the base.
             max_angular: Greatest turning speed [rad/s], besides the limit of the base.
+            lookout: Tells whether something unknown is in the way; then it stops.
 
         Returns:
             None, or how many legs were driven where the base got stuck.
         """
         follower = base.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
-        driven, deadline = -1.0, 0.0
+        driven, deadline, bumper = -1.0, 0.0, Bumper(self.context, base)
+        self.bumped, self.seen = False, []
         while True:
             try:
                 reached, target = next(follower)
@@ -85,6 +135,13 @@ class DrivingPrimitive(Primitive[Any]):
             way.passed(reached)
             base.command(target)
             yield
+            if bumper.felt():
+                self.bumped = True
+                return driven
+            if lookout is not None and lookout.is_blocked():
+                yield from self.stand(base)
+                self.seen = believe_seen(self.world, self.name, lookout.strange)
+                return driven
         yield from self.stand(base)
         return None
 
@@ -99,9 +156,9 @@ class DrivingPrimitive(Primitive[Any]):
             yield
 
 
-_ARRIVED = 0.03
-"""Greatest distance from the driving pose after standstill [m]."""
-_FACING = math.radians(2.0)
+_ARRIVED = 0.005
+"""Greatest distance from the driving pose after standstill, as localised [m]."""
+_FACING = math.radians(0.5)
 _ASIDE = 0.06
 """Greatest distance of a base from its path [m]; paths keep a larger distance from obstacles."""
 _COURTESY = 120.0
@@ -116,6 +173,14 @@ _OBSTRUCTED = {
     "idle": partial(Message, "{robots} stands there, and nothing moves it"),
 }
 """Why there is no way, by what the other robots do."""
+_BLOCK = (0.3, 0.6, 0.6)
+"""Length, width and height of the block that is assumed where the base has met something [m]."""
+_SURPRISES = 5
+"""How often it looks for another way because something unknown is in the way."""
+_RETREAT = 0.12
+"""How far it drives back from there [m]."""
+_SLOWLY = 0.1
+"""How fast it does that [m/s]."""
 _APART = 0.02
 """Distance between two robots that both deviate from their paths by the maximum [m]."""
 
@@ -133,6 +198,7 @@ class DriveBase(DrivingPrimitive):
         robot: str = param(v.ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
         location: str = param(v.LOCATION, "Where to go; it has a driving pose.")
 
+    _shape: tuple[Layer, ...] = ()
     _waits_for = ""
     _in_use = 0.0
     """When something last ran on every robot that blocks the path [s]."""
@@ -143,11 +209,12 @@ class DriveBase(DrivingPrimitive):
         if isinstance(goal, Failure):
             return goal
         base = Mobile(self.context.board, self.params.base)
-        outline = self._outline()
+        self._shape = floor_obstacles.shape(self.context, self.context.cell.group_of(self.params.base))
+        outline = floor_obstacles.outline(self._shape)
         self._in_use = self.context.now
-        deadline = self.context.now + _COURTESY
+        deadline, surprises = self.context.now + _COURTESY, 0
         while True:
-            path = yield from self._plan(goal, outline)
+            path = yield from self._plan(goal)
             if isinstance(path, NoMotion):
                 return Failure(
                     Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
@@ -155,7 +222,10 @@ class DriveBase(DrivingPrimitive):
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
-                    return (yield from self._follow(base, path, way, goal))
+                    outcome = yield from self._follow(base, path, way, goal)
+                    if not (self.bumped or self.seen) or (surprises := surprises + 1) > _SURPRISES:
+                        return outcome
+                    continue
             if found is not None and not isinstance(found, Failure):
                 found = yield from self._give_way(base, found, outline, deadline)
             if isinstance(found, Failure):
@@ -164,14 +234,42 @@ class DriveBase(DrivingPrimitive):
     def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
             self.leave(Message("drives off"))
-        stuck = yield from self.drive(base, path, way)
+        robot = self.context.cell.group_of(self.params.base)
+        known = (*self._known, *floor_obstacles.bodies(self.context, robot.id))
+        lookout = Lookout(self.context, robot, self._shape, self.pose, path, known)
+        stuck = yield from self.drive(base, path, way, lookout=lookout)
         if stuck is None:
             return self._arrived(self.pose, goal)
+        if self.bumped:
+            yield from self._back_off(base, path, int(stuck))
         leg, legs = int(stuck) + 1, len(path.legs)
         location = self.params.location
         if leg <= legs:
             return Failure(Message("stuck on leg {leg} of {legs} to {location}", leg=leg, legs=legs, location=location))
         return Failure(Message("stuck while turning at {location}", location=location))
+
+    @property
+    def _known(self) -> tuple[Obstacle, ...]:
+        """What a scanner may see without surprise."""
+        return obstacles(self.context, parts=True)
+
+    def _back_off(self, base: Mobile, path: Path, leg: int) -> Execution[None]:
+        """Writes that something is where the base met it, and drives back a little."""
+        backwards = leg < len(path.legs) and getattr(path.legs[leg], "backwards", False)
+        ahead = -1.0 if backwards else 1.0
+        edge = max(ahead * x for x, _ in self._spec().footprint)
+        x, y, _ = (self.pose @ Pose((ahead * (edge + _BLOCK[0] / 2.0), 0.0, 0.0))).position
+        reason = Message("{base} met something", base=self.params.base)
+        believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=self.pose.yaw), _BLOCK, reason)
+        self.emit("contact", {"device": self.params.base, "link": "", "effort": 0.0})
+        retreat = base.direct_path(self.pose, self.pose @ Pose((-ahead * _RETREAT, 0.0, 0.0)))
+        follower, deadline = base.follow(retreat, lambda: self.pose, max_linear=_SLOWLY), self.context.now + 5.0
+        for _, target in follower:
+            if self.context.now > deadline:
+                break
+            base.command(target)
+            yield
+        yield from self.stand(base)
 
     def _goal(self) -> Pose | Failure:
         location = self.params.location
@@ -180,34 +278,26 @@ class DriveBase(DrivingPrimitive):
             return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
 
-    def _plan(self, goal: Pose, outline: Outline) -> Execution[Path | NoMotion]:
+    def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""
-        standing = self._standing(outline)
+        standing = self._standing()
         path = yield from self._path(goal, standing)
         if isinstance(path, NoMotion) and standing:
             path = yield from self._path(goal, ())
         return path
 
-    def _standing(self, outline: Outline) -> tuple[Obstacle, ...]:
-        margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
-        return floor_obstacles.standing(self.context, self.params.robot, margin=margin)
+    def _standing(self) -> tuple[Obstacle, ...]:
+        return floor_obstacles.standing(self.context, self.params.robot, margin=_ASIDE + _APART)
 
     def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         around = (*self._things(), *robots)
-        request = BasePathRequest(self.pose, goal, self._spec().footprint, around, device=self.params.base)
+        request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
     def _things(self) -> tuple[Obstacle, ...]:
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
         return obstacles(self.context, parts=False, without=carried)
-
-    def _outline(self) -> Outline:
-        """The robot's outline while it drives; not needed if it is alone in its cell."""
-        if len(self.context.cell.robots) == 1:
-            return self._spec().footprint
-        robot = self.context.cell.group_of(self.params.base)
-        return floor_obstacles.outline(self.context, robot)
 
     def _wait_until_free(self, way: Way, outline: Outline, deadline: float) -> Execution[Path | Failure | None]:
         """Waits until a way is free, as long as that is of use.
@@ -259,10 +349,10 @@ class DriveBase(DrivingPrimitive):
 
     def _aside(self, area: BaseGeometry, outline: Outline) -> Execution[Path | None]:
         """Finds a path to where the robot does not stand on an area; None if there is none."""
-        robots, footprint = self._standing(outline), self._spec().footprint
+        robots = self._standing()
         around = (*self._things(), *robots)
         area = shapely.buffer(area, reach(outline))
-        for pose in floor_obstacles.asides(self.context, footprint, self.pose, around, area):
+        for pose in floor_obstacles.asides(self.context, outline, self.pose, around, area):
             path = yield from self._path(pose, robots)
             if not isinstance(path, NoMotion):
                 return path

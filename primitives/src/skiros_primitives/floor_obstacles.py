@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_py.devices.arm import ArmSpec, ArmState
-from skiros_py.geometry import Pose, Solid
+from skiros_py.devices.gripper import GripperSpec
+from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.kinematics import Kinematics
+from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import Outline, floor_area
+from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, reach
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.surroundings import map_pose
+from skiros_py.skills.surroundings import held_by, map_pose
 from skiros_py.world import vocabulary as v
 
 _HEIGHT = 1.2
@@ -25,6 +27,8 @@ _HEIGHT = 1.2
 _HAND = 0.12
 """How far hand and camera stick out around the arm's tip [m]."""
 _CORNERS = 8
+_LINK = 0.08
+"""How far links stick out around the line between their joints [m]."""
 
 
 def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
@@ -65,7 +69,7 @@ def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacl
         taken = {arm.id: context.floor.stretched(arm.id) for arm in other.of(ArmSpec)}
         found += [_block(context, other, outline, margin) for outline in taken.values() if outline]
         resting = replace(other, devices=tuple(arm for arm in other.of(ArmSpec) if not taken[arm.id]))
-        found += [_arm(context, other, tip, margin) for tip in _tips(context, resting, now=True)]
+        found += [_arm(context, other, tip, margin) for tip in _tips(context, resting)]
     return tuple(found)
 
 
@@ -78,30 +82,58 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 
-def outline(context: RunContext, robot: RobotSpec) -> Outline:
-    """Returns a robot's floor outline while it drives: its base, and its hands in their travelling posture."""
-    points = list(robot.outline)
-    for tip in _tips(context, robot, now=False):
-        turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
-        points += [(tip.position[0] + _HAND * math.cos(t), tip.position[1] + _HAND * math.sin(t)) for t in turns]
-    return points
-
-
-def reach(points: Outline) -> float:
-    """Returns how far an outline reaches from the centre of the base [m]."""
-    return max(math.hypot(x, y) for x, y in points)
-
-
-def _tips(context: RunContext, robot: RobotSpec, *, now: bool) -> list[Pose]:
-    """Returns the poses of the tips of a robot's arms in the frame of its base, now or at home, as far as known."""
-    states = context.board.snapshot.of(ArmState)
-    tips: list[Pose] = []
+def shape(context: RunContext, robot: RobotSpec) -> tuple[Layer, ...]:
+    """Returns what a robot covers with its arms as they are: its base up to its full height, and links and loads."""
+    layers = [Layer(tuple(robot.outline))]
+    base = shapely.MultiPoint(list(robot.outline)).convex_hull
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
-            positions = states[arm.id].positions if now else arm.home
-            tips.append(kinematics.pose(arm.tip, dict(zip(arm.joints, positions, strict=True))))
-    return tips
+            around = [_covered(points, radius) for points, radius in _pieces(context, robot, arm, kinematics)]
+            layers += [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
+    return tuple(layers)
+
+
+def _pieces(
+    context: RunContext, robot: RobotSpec, arm: ArmSpec, kinematics: Kinematics
+) -> Iterator[tuple[Array, float]]:
+    """Yields the ends of each link of an arm, and the corners of what it holds, with how far it sticks out around them.
+
+    All in the frame of the base [m].
+    """
+    positions = context.board.snapshot.state(arm.id, ArmState).positions
+    poses = kinematics.poses(dict(zip(arm.joints, positions, strict=True)))
+    link = arm.tip
+    while (parent := kinematics.parents.get(link, BASE_LINK)) != BASE_LINK:
+        yield np.array([poses[link].position, poses[parent].position]), _HAND if link == arm.tip else _LINK
+        link = parent
+    for gripper in robot.of(GripperSpec):
+        if gripper.arm == arm.id and (holding := held_by(context, gripper.id)) is not None:
+            corners = np.array(list(product(*np.transpose(holding[1].solid.bounds()))))
+            yield (poses[arm.tip] @ holding[1].pose).apply(corners), 0.0
+
+
+def _covered(points: Array, radius: float) -> Layer:
+    turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
+    around = (points[:, None, :2] + radius * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
+    bottom, top = float(points[:, 2].min()) - radius, float(points[:, 2].max()) + radius
+    return Layer(tuple((float(x), float(y)) for x, y in around), bottom, min(TALLEST, top))
+
+
+def outline(layers: Sequence[Layer]) -> Outline:
+    """Returns the outline of a robot on the floor, whatever the height."""
+    return [point for layer in layers for point in layer.outline]
+
+
+def _tips(context: RunContext, robot: RobotSpec) -> list[Pose]:
+    """Returns the poses of the tips of a robot's arms in the frame of its base, as far as known."""
+    states = context.board.snapshot.of(ArmState)
+    found = [(arm, context.ports.find(Kinematics, arm.id)) for arm in robot.of(ArmSpec)]
+    return [
+        kinematics.pose(arm.tip, dict(zip(arm.joints, states[arm.id].positions, strict=True)))
+        for arm, kinematics in found
+        if kinematics is not None
+    ]
 
 
 _GRID = 0.25
@@ -116,7 +148,7 @@ _CLEARANCE = 0.1
 
 
 def asides(
-    context: RunContext, footprint: Outline, start: Pose, around: Sequence[Obstacle], area: BaseGeometry
+    context: RunContext, outline: Outline, start: Pose, around: Sequence[Obstacle], area: BaseGeometry
 ) -> list[Pose]:
     """Returns poses to which a base may drive to give way, the nearest ones first; some may not be reachable.
 
@@ -124,17 +156,17 @@ def asides(
 
     Args:
         context: The run.
-        footprint: Outline of the base.
+        outline: Outline of the robot while it drives.
         start: Where it stands.
         around: What it must not touch.
         area: Where its middle must not be.
     """
     here = shapely.Point(start.position[:2])
-    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(footprint)).convex_hull.boundary)
+    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(outline)).convex_hull.boundary)
     closed = shapely.union_all([floor_area(one.solid, one.pose) for one in around])
     parts = shapely.get_parts(_floor(context, here).difference(closed.buffer(0.9 * narrowest)))
     within = shapely.union_all([part for part in parts if part.intersects(here)])
-    room = within.difference(closed.buffer(reach(footprint) + _CLEARANCE)).difference(area)
+    room = within.difference(closed.buffer(reach(outline) + _CLEARANCE)).difference(area)
     if room.is_empty:
         return []
     left, low, right, high = room.bounds

@@ -19,7 +19,7 @@ from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import JointMove, LineMove, NoMotion, Obstacle
-from skiros_py.ports.paths import Outline, Path, floor_area, placed, swept
+from skiros_py.ports.paths import Layer, Path, floor_area, placed, swept
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -265,21 +265,22 @@ class JogBase(DrivingPrimitive):
     # ------------------------------------------------------------------ obstacles
 
     def _touched(self, start: Pose, path: Path) -> str:
-        """Returns the first thing that would be touched or come too near; empty if the way is free.
-
-        Folded arms are above everything except other robots.
-        """
+        """Returns the things that would be touched or come too near; empty if the way is free."""
         things = [o for o in obstacles(self.context, parts=False) if not self.rides(o.id)]
         robots = floor_obstacles.standing(self.context, self.params.robot, margin=0.0)
-        outline = floor_obstacles.outline(self.context, self._robot)
-        near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
-        return " and ".join(near)
+        shape = floor_obstacles.shape(self.context, self._robot)
+        near = [id_ for layer in shape for id_ in _nearing((*things, *robots), layer, start, path)]
+        return " and ".join(dict.fromkeys(near))
 
 
-def _nearing(around: Sequence[Obstacle], outline: Outline, start: Pose, path: Path) -> list[str]:
-    """Returns the ids of things that an outline comes too near to: nearer than the margin and than at the start."""
-    standing = placed(outline, start)
-    area = shapely.union_all(swept(outline, (pose for _, pose in path.poses(start))))
-    areas = ((obstacle.id, floor_area(obstacle.solid, obstacle.pose)) for obstacle in around)
-    ways = ((id_, shapely.distance(standing, thing), shapely.distance(area, thing)) for id_, thing in areas)
+def _nearing(around: Sequence[Obstacle], layer: Layer, start: Pose, path: Path) -> list[str]:
+    """Returns the ids of things that a layer comes too near to: nearer than the margin and than at the start."""
+    standing = placed(layer.outline, start)
+    area = shapely.union_all(swept(layer.outline, (pose for _, pose in path.poses(start))))
+    areas = ((one.id, floor_area(one.solid, one.pose, layer.bottom, layer.top)) for one in around)
+    ways = (
+        (id_, shapely.distance(standing, thing), shapely.distance(area, thing))
+        for id_, thing in areas
+        if not thing.is_empty
+    )
     return [id_ for id_, now, then in ways if then < _CLOSE and (then <= 0.0 or then < now - _NEARER)]

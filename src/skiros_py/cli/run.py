@@ -123,6 +123,8 @@ class RunDisplay:
             self.say(f"  {number:2}. {short_step(step, skills[step.skill])}")
 
     def _on_event(self, event: ModuleEvent) -> None:
+        if event.status is Status.EVENT:
+            return
         if event.kind == "primitive":
             self._primitive = f"{event.module}: {event.text}" if event.status is not Status.STARTED else event.module
             if event.status is Status.ERROR:

@@ -35,11 +35,13 @@ class ArmState:
         positions: Joint angles [rad], shape (n,).
         velocities: Joint speeds [rad/s], shape (n,).
         still: True when every joint is slower than the arm's standstill threshold.
+        efforts: What the joints exert [N m], shape (n,); empty where they are not measured.
     """
 
     positions: tuple[float, ...]
     velocities: tuple[float, ...]
     still: bool
+    efforts: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,7 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
     signals: ClassVar[tuple[DeviceSignal[Any], ...]] = (
         DeviceSignal("positions", lambda state: state.positions, "rad", "joint angles"),
         DeviceSignal("velocities", lambda state: state.velocities, "rad/s", "joint speeds"),
+        DeviceSignal("efforts", lambda state: state.efforts, "N m", "joint efforts"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
     )
     jog: ClassVar[tuple[str, ...]] = ("jog_joints", "jog_tool", "home")
@@ -212,9 +215,9 @@ class SimulatedArm:
 
     def state(self) -> ArmState:
         """Reads the joint sensors; to be called once per cycle."""
-        positions, velocities, _ = self._joints.read()
+        positions, velocities, efforts = self._joints.read()
         still = self._standstill.update(max(map(abs, velocities)))
-        return ArmState(positions, velocities, still)
+        return ArmState(positions, velocities, still, efforts)
 
     def _follow(self, target: ArmTarget) -> None:
         self.spec.check(target)

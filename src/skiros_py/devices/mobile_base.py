@@ -11,7 +11,7 @@ import numpy as np
 
 from skiros_py.devices.common import BASE_STILL, FakeModel, Standstill, approach
 from skiros_py.errors import DeviceError
-from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.geometry import Array, Pose, wrap_angle
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import (
     Contribution,
@@ -28,10 +28,12 @@ from skiros_py.ports.kinematics import BASE_JOINTS, BASE_LINK
 from skiros_py.ports.paths import BaseLeg, BasePath, Path
 from skiros_py.ports.simulation import SimulatedRobot
 
-_ALIGNED = math.radians(0.3)
+_ALIGNED = math.radians(0.15)
 _SHORT = 0.002  # [m] a shorter way counts as none
 _ASIDE = 0.06  # [m] greatest distance from the line of a leg; paths keep a larger distance from obstacles
-_DRIVE_FORCE = 2000.0  # [N] and [N m]; enough for every acceleration limit a base of this weight may have
+_DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a base of this weight, and not to crush
+_HOLDING_FORCE = 600.0  # [N] and [N m]; what braked wheels hold by friction
+_SLIP = 0.05  # [m/s] the commanded speed is at most this far ahead of the measured one
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
 _WHEELS = ("wheel_left", "wheel_right")
@@ -47,12 +49,14 @@ class BaseState:
         linear: Forward speed [m/s].
         angular: Turning speed, counter-clockwise [rad/s].
         still: True when the base stands.
+        force: Forward force of its drives [N]; None where it is not measured.
     """
 
     pose: Pose
     linear: float
     angular: float
     still: bool
+    force: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +89,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         DeviceSignal("yaw", lambda state: state.pose.yaw, "rad", "heading by odometry", "map"),
         DeviceSignal("linear", lambda state: state.linear, "m/s", "forward speed", "own"),
         DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
+        DeviceSignal("force", lambda state: state.force or 0.0, "N", "forward force of the drives", "own"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
     )
     jog: ClassVar[tuple[str, ...]] = ("jog_base",)
@@ -139,51 +144,51 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
     def follow(
         self, path: Path, pose: Callable[[], Pose], *, max_linear: float = math.inf, max_angular: float = math.inf
     ) -> Follower[BaseTwist]:
-        """Turns and drives straight, leg by leg, and turns at the end.
+        """Turns towards each leg, drives it, and turns at the end.
 
         Raises:
             DeviceError: The path is not made of such legs.
         """
         if not isinstance(path, BasePath):
-            raise DeviceError(f"{self.id}: it turns and drives straight, it cannot follow a {type(path).__name__}")
+            raise DeviceError(f"{self.id}: it turns and drives ahead, it cannot follow a {type(path).__name__}")
         linear, angular = min(max_linear, self.max_linear), min(max_angular, self.max_angular)
         for number, leg in enumerate(path.legs):
             yield from self._turn(number, leg.heading(pose()), pose, angular)
-            if not (yield from self._straight(number, leg, pose, linear)):
+            if not (yield from self._drive(number, Curve(leg, pose()), pose, self._speeds(linear, angular))):
                 return False
         yield from self._turn(len(path.legs), path.heading, pose, angular)
         return True
 
     def _turn(self, driven: int, heading: float, pose: Callable[[], Pose], fastest: float) -> Follower[BaseTwist]:
         while abs(error := wrap_angle(heading - pose().yaw)) >= _ALIGNED:
-            speed = min(fastest, math.sqrt(1.6 * self.max_angular_acceleration * abs(error)), 4.0 * abs(error))
+            speed = min(fastest, math.sqrt(1.6 * self.max_angular_acceleration * abs(error)), _SETTLING * abs(error))
             yield driven, BaseTwist(0.0, math.copysign(speed, error))
         return True
 
-    def _straight(self, driven: int, leg: BaseLeg, pose: Callable[[], Pose], fastest: float) -> Follower[BaseTwist]:
-        """Follows the line from here to the leg's end, steering by heading and distance from the line."""
-        start = pose()
-        x0, y0, _ = start.position
-        length = math.hypot(leg.x - x0, leg.y - y0)
-        if length < _SHORT:
+    def _speeds(self, linear: float, angular: float) -> Speeds:
+        return Speeds(linear, angular, self.max_linear_acceleration, self.max_angular_acceleration)
+
+    def _drive(self, driven: int, curve: Curve, pose: Callable[[], Pose], speeds: Speeds) -> Follower[BaseTwist]:
+        """Follows a curve as fast as braking and steering allow, steering by heading and distance from it.
+
+        The feedback is that of Samson (1995) for a point on the path next to the base.
+        """
+        if curve.length < _SHORT:
             return True
-        ux, uy, sign = (leg.x - x0) / length, (leg.y - y0) / length, -1.0 if leg.backwards else 1.0
-        along = math.atan2(sign * uy, sign * ux)
+        fastest, drift, before = speeds.along(curve), 0.0, 0.0
         while True:
             here = pose()
-            x, y, _ = here.position
-            left = length - ((x - x0) * ux + (y - y0) * uy)
+            at, left, aside, turned = curve.nearest(here)
+            drift, before = drift + aside * (at - before), at
             if left < _SHORT:
                 return True
-            aside = -(x - x0) * uy + (y - y0) * ux
             if abs(aside) > _ASIDE:
                 return False
-            turned = wrap_angle(along - here.yaw)
-            speed = min(fastest, math.sqrt(2.0 * 0.8 * self.max_linear_acceleration * left), 4.0 * left)
-            speed *= max(0.0, math.cos(turned))
-            steer = 2.5 * turned - sign * 4.0 * aside * speed
-            twist = BaseTwist(sign * speed, max(-self.max_angular, min(self.max_angular, steer)))
-            yield driven + 1.0 - left / length, twist
+            speed = min(float(np.interp(at, curve.along, fastest)), speeds.braking(left)) * max(0.0, math.cos(turned))
+            offset = _STIFFNESS**2 * aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
+            steer = speed * (curve.bend_at(at) - offset) + 2.0 * _STIFFNESS * max(speed, _CRAWL) * turned
+            twist = BaseTwist(curve.sign * speed, max(-self.max_angular, min(self.max_angular, steer)))
+            yield driven + 1.0 - left / curve.length, twist
 
     def scaled(self, target: BaseTwist, rate: float) -> BaseTwist:
         """Returns a slower twist."""
@@ -200,6 +205,118 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         """Returns a state with noise on x and y [m] and on the heading [rad]."""
         x, y, turn = map(float, rng.normal(0.0, sigma, 3))
         return replace(state, pose=state.pose @ Pose.of(x, y, 0.0, yaw=turn))
+
+
+_SETTLING = 8.0
+"""Speed per distance from the end of a motion [1/s]."""
+_BRAKING_SHARE = 0.8
+"""Share of an acceleration limit that is planned with; the rest is left for corrections."""
+_STEERING_SHARE = 0.7
+"""The same of turning speed, and of the root of turning acceleration."""
+_STIFFNESS = 8.0
+"""Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
+_CRAWL = 0.1
+"""Speed below which steering by the heading does not become weaker [m/s]."""
+_GRID = 0.01
+"""Distance between points of a curve [m]."""
+_AHEAD = 60
+"""Number of points ahead of the last one among which the nearest one is looked for."""
+
+
+class Curve:
+    """The way of one leg, from where the base stands.
+
+    Attributes:
+        along: Distances from the beginning at even steps [m], shape (n,).
+        bend: Curvature there, positive to the left in the direction of travel [1/m].
+        length: [m].
+        sign: 1.0, or -1.0 where it is driven backwards.
+    """
+
+    def __init__(self, leg: BaseLeg, start: Pose) -> None:
+        points = np.array([start.position[:2], *leg.via, (leg.x, leg.y)])
+        steps = np.hypot(*np.diff(points, axis=0).T)
+        points, steps = points[np.concatenate([[True], steps > 1e-9])], steps[steps > 1e-9]
+        ends = np.concatenate([[0.0], np.cumsum(steps)])
+        self.sign = -1.0 if leg.backwards else 1.0
+        self.length = float(ends[-1])
+        self.along = np.linspace(0.0, self.length, max(2, math.ceil(self.length / _GRID) + 1))
+        self._points = np.column_stack([np.interp(self.along, ends, column) for column in points.T])
+        # Directions are known at the middle of each step, curvatures at the points: in between both change evenly.
+        turns = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1])) if len(steps) else np.zeros(1)
+        middles = (ends[1:] + ends[:-1]) / 2.0 if len(steps) else np.zeros(1)
+        self._directions = np.interp(self.along, middles, turns)
+        bends = np.concatenate([[0.0], np.diff(turns) / np.diff(middles), [0.0]])[: len(ends)]
+        self.bend = np.interp(self.along, ends, bends)
+        self._index = 0
+
+    def nearest(self, pose: Pose) -> tuple[float, float, float, float]:
+        """Returns the nearest place ahead.
+
+        Returns:
+            How far along it is [m], how much is left [m], how far left of it the base is [m], and the angle by which
+            the base has to turn [rad].
+        """
+        x, y, _ = pose.position
+        window = self._points[self._index : self._index + _AHEAD]
+        self._index += int(np.argmin(((window - (x, y)) ** 2).sum(axis=1)))
+        direction = float(self._directions[self._index])
+        ux, uy = math.cos(direction), math.sin(direction)
+        dx, dy = x - float(self._points[self._index, 0]), y - float(self._points[self._index, 1])
+        at = float(self.along[self._index]) + dx * ux + dy * uy
+        heading = direction if self.sign > 0.0 else direction + math.pi
+        return at, self.length - at, dy * ux - dx * uy, wrap_angle(heading - pose.yaw)
+
+    def bend_at(self, along: float) -> float:
+        """Returns the curvature at a place [1/m]."""
+        return float(np.interp(along, self.along, self.bend))
+
+
+@dataclass(frozen=True, slots=True)
+class Speeds:
+    """Limits of speed and acceleration [m/s, rad/s, m/s², rad/s²]."""
+
+    linear: float
+    angular: float
+    acceleration: float
+    angular_acceleration: float
+
+    def braking(self, left: float) -> float:
+        """Returns the greatest speed from which the base can stop within a way [m/s]."""
+        return min(math.sqrt(2.0 * _BRAKING_SHARE * self.acceleration * left), _SETTLING * left)
+
+    def along(self, curve: Curve) -> Array:
+        """Returns the greatest speeds at the points of a curve [m/s]: it can be steered there, and braked behind."""
+        bend, change = np.abs(curve.bend), np.abs(np.gradient(curve.bend, curve.along))
+        steering = _STEERING_SHARE * np.minimum(
+            self.angular / np.maximum(bend, 1e-9), np.sqrt(self.angular_acceleration / np.maximum(change, 1e-9))
+        )
+        squared = np.minimum(steering, self.linear) ** 2
+        step = self._step(curve)
+        for index in range(len(squared) - 2, -1, -1):
+            squared[index] = min(squared[index], squared[index + 1] + step)
+        return np.asarray(np.sqrt(squared))
+
+    def duration(self, curve: Curve) -> float:
+        """Returns how long a curve takes from rest to rest [s]."""
+        squared = self.along(curve) ** 2
+        squared[-1], step = 0.0, self._step(curve)
+        squared = np.minimum(squared, step * np.arange(len(squared))[::-1])
+        rising = 0.0
+        for index in range(len(squared)):
+            squared[index] = rising = min(squared[index], rising)
+            rising += step
+        speeds = np.sqrt(squared)
+        return float(2.0 * (np.diff(curve.along) / np.maximum(1e-6, speeds[1:] + speeds[:-1])).sum())
+
+    def turning(self, angle: float) -> float:
+        """Returns how long a turn on the spot by an angle [rad] takes [s]."""
+        angle, quick = abs(angle), self.angular**2 / self.angular_acceleration
+        full = angle / self.angular + self.angular / self.angular_acceleration
+        return full if angle > quick else 2.0 * math.sqrt(angle / self.angular_acceleration)
+
+    def _step(self, curve: Curve) -> float:
+        return 2.0 * _BRAKING_SHARE * self.acceleration * float(curve.along[1] - curve.along[0])
 
 
 class Base(DeviceHandle[BaseSpec, BaseState, BaseTwist]):
@@ -228,6 +345,7 @@ class SimulatedBase:
         self._odometry = spec.start
         self._period = robot.engine.period
         self._linear = 0.0
+        self._measured = 0.0
         self._angular = 0.0
         self._held: tuple[float, ...] | None = None
         self._standstill = Standstill(BASE_STILL)
@@ -249,18 +367,22 @@ class SimulatedBase:
 
     def state(self) -> BaseState:
         """Reads the speeds and adds them to the odometry; to be called once per cycle."""
-        (_, _, yaw), (vx, vy, angular), _ = self._plane.read()
+        (_, _, yaw), (vx, vy, angular), (fx, fy, _) = self._plane.read()
         linear = vx * math.cos(yaw) + vy * math.sin(yaw)
+        force = fx * math.cos(yaw) + fy * math.sin(yaw)
+        self._measured = linear
         still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
         self._odometry @= _step(linear * self._period, angular * self._period)
-        return BaseState(self._odometry, linear, angular, still)
+        return BaseState(self._odometry, linear, angular, still, force)
 
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec
         spec.check(twist)
         linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
         angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
-        self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)
+        step = spec.max_linear_acceleration * self._period
+        self._linear = approach(self._linear, linear, step)
+        self._linear = min(max(self._linear, self._measured - _SLIP - step), self._measured + _SLIP + step)
         self._angular = approach(self._angular, angular, spec.max_angular_acceleration * self._period)
 
     def _roll(self) -> None:
@@ -279,7 +401,7 @@ class SimulatedBase:
         """Holds the place where it came to rest: at zero velocity alone it would creep under the arm's motions."""
         self._held = self._held or self._plane.read().positions
         self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
-        self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_DRIVE_FORCE] * 3)
+        self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_HOLDING_FORCE] * 3)
 
 
 def _wheel_geometry(robot: SimulatedRobot) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from skiros_py.errors import SkirosError
 from skiros_py.ports.adapters import Adapter, Request
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
-from skiros_py.ports.kinematics import InverseKinematics, Kinematics
+from skiros_py.ports.kinematics import Dynamics, InverseKinematics, Kinematics
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
@@ -90,5 +90,5 @@ BASE_PLANNER = Adapter(
     lambda _request: WorkerPlanner("base paths", base_paths),
     lambda device: isinstance(device, MobileSpec),
 )
-KINEMATICS = Adapter((Kinematics,), _kinematics, one_for="robot", eager=False, without_physics=True)
+KINEMATICS = Adapter((Kinematics, Dynamics), _kinematics, one_for="robot", eager=False, without_physics=True)
 INVERSE_KINEMATICS = Adapter((InverseKinematics,), _inverse_kinematics, serves=_is_arm, one_for="device", eager=False)

@@ -83,20 +83,21 @@ class JointLimits:
         return JointLimits(self.velocity * share, self.acceleration * share)
 
 
-def time_path(path: Array, limits: JointLimits, path_rate: float = math.inf) -> Trajectory:
+def time_path(path: Array, limits: JointLimits, path_rate: float | Array = math.inf) -> Trajectory:
     """Times a path.
 
     Args:
         path: Joint angles [rad] at even steps of the path parameter, which runs from 0 to 1; shape (n, joints), n >= 2.
         limits: What no joint may exceed.
-        path_rate: Greatest rate of the path parameter [1/s]: tip speed over tip way for a straight line.
+        path_rate: Greatest rate of the path parameter [1/s]: tip speed over tip way for a straight line; or one for
+            each row of the path.
 
     Returns:
         Samples every :data:`PERIOD`; the first is the path's first row, the last its last row, both at rest.
     """
     if np.abs(np.diff(path, axis=0)).sum() < _REST:
         return Trajectory(path[:1].copy(), np.zeros_like(path[:1]))
-    curve = CubicSpline(np.linspace(0.0, 1.0, len(path)), path, bc_type="natural")
+    curve = CubicSpline(_even(len(path)), path, bc_type="natural")
     profile = _Profile(_fastest(curve, limits, path_rate))
     duration = profile.duration * _stretch(curve, profile, limits)
     samples = math.ceil(duration / PERIOD) + 1
@@ -108,11 +109,12 @@ def time_path(path: Array, limits: JointLimits, path_rate: float = math.inf) -> 
     return Trajectory(positions, velocities)
 
 
-def _fastest(curve: CubicSpline, limits: JointLimits, path_rate: float) -> CubicHermiteSpline:
+def _fastest(curve: CubicSpline, limits: JointLimits, path_rate: float | Array) -> CubicHermiteSpline:
     """Returns the path parameter over time of the fastest motion with piecewise constant acceleration."""
-    grid = np.linspace(0.0, 1.0, _GRID + 1)
+    grid = _even(_GRID + 1)
     slope, bend = np.abs(curve(grid, 1)) + 1e-12, np.abs(curve(grid, 2))
-    squared = np.minimum((limits.velocity / slope).min(axis=1) ** 2, path_rate**2)
+    rates = np.atleast_1d(path_rate)
+    squared = np.minimum((limits.velocity / slope).min(axis=1) ** 2, np.interp(grid, _even(len(rates)), rates) ** 2)
     # Half of the acceleration is left for speeding up and braking where the path bends most.
     squared = np.minimum(squared, (0.5 * limits.acceleration / (bend + 1e-12)).min(axis=1))
     squared[0] = squared[-1] = 0.0
@@ -124,6 +126,10 @@ def _fastest(curve: CubicSpline, limits: JointLimits, path_rate: float) -> Cubic
     rate = np.sqrt(squared)
     steps = 2.0 / _GRID / (rate[1:] + rate[:-1])
     return CubicHermiteSpline(np.concatenate([[0.0], np.cumsum(steps)]), grid, rate)
+
+
+def _even(count: int) -> Array:
+    return np.linspace(0.0, 1.0, count)
 
 
 class _Profile:

@@ -120,6 +120,38 @@ class Kinematics(Protocol):
         """
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class JointMotion:
+    """How some joints move, in the order of their names; all of shape (n,).
+
+    Attributes:
+        joints: Their names.
+        positions: [rad or m].
+        velocities: [rad/s or m/s].
+        accelerations: [rad/s² or m/s²].
+    """
+
+    joints: tuple[str, ...]
+    positions: Array
+    velocities: Array
+    accelerations: Array
+
+
+class Dynamics(Protocol):
+    """What the joints of one robot have to exert; answers in tens of microseconds, in any thread."""
+
+    @property
+    def mass(self) -> float:
+        """Mass of the robot without loads [kg]."""
+
+    def efforts(self, motion: JointMotion) -> Array:
+        """Returns what joints exert for a motion, without loads and contacts [N m or N]; all other joints rest at zero.
+
+        Raises:
+            UnknownName: The robot has no such joint.
+        """
+
+
 class InverseKinematics(Protocol):
     """Finds joint angles that bring the tip of one arm to a pose.
 

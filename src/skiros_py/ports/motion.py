@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.paths import Path
+from skiros_py.ports.paths import Layer, Path
 from skiros_py.ports.values import Pending
 
 
@@ -120,9 +120,15 @@ class MotionPlan:
 
 @dataclass(frozen=True, slots=True)
 class NoMotion:
-    """No feasible motion was found; the reason is meant for a person ("pose 2 cannot be reached", ...)."""
+    """No feasible motion was found, or one was broken off.
+
+    Attributes:
+        reason: For a person ("pose 2 cannot be reached", ...).
+        met: True when the robot has touched something that it did not expect.
+    """
 
     reason: str
+    met: bool = False
 
 
 class ArmPlanner(Protocol):
@@ -139,7 +145,7 @@ class BasePathRequest:
     Attributes:
         start: Base pose now, in the map.
         goal: Base pose wanted; the last stretch to it is driven straight ahead.
-        footprint: Corners of the base's outline in its frame [m].
+        shape: What the robot covers while it drives: base, arms and load, each at its heights.
         obstacles: What stands on the floor.
         clearance: Distance kept from obstacles on the way [m] (less where it docks).
         device: Id of the base that shall drive, for displays; empty if unknown.
@@ -147,7 +153,7 @@ class BasePathRequest:
 
     start: Pose
     goal: Pose
-    footprint: tuple[tuple[float, float], ...]
+    shape: tuple[Layer, ...]
     obstacles: tuple[Obstacle, ...]
     clearance: float = 0.08
     device: str = ""

@@ -17,10 +17,26 @@ from skiros_py.geometry import Array, Pose, Primitive, Solid, wrap_angle
 Outline = Sequence[tuple[float, float]]
 """Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
 
+TALLEST = 1.6
+"""What begins higher obstructs no robot with its arms folded [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What a robot covers between two heights.
+
+    Attributes:
+        outline: Points in the frame of the base [m]; what is in their convex hull belongs to the robot.
+        bottom, top: Heights above the floor [m].
+    """
+
+    outline: tuple[tuple[float, float], ...]
+    bottom: float = 0.0
+    top: float = TALLEST
+
+
 _WAY, _TURN = 0.5, math.radians(10.0)
 """Greatest distance [m] and turn [rad] between two poses of a path, unless more are wanted."""
-_TALLEST = 1.6
-"""What begins higher does not obstruct a base with its arm folded [m]."""
 _CORNERS = 24
 """Of the polygon around a circle."""
 
@@ -46,16 +62,33 @@ class Path(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class BaseLeg:
-    """Turn towards a point in the map (or away from it, to reverse), then drive straight to it [m]."""
+    """Turn towards a point in the map (or away from it, to reverse), then drive to it.
+
+    Attributes:
+        x, y: Where it ends [m].
+        backwards: Whether it is driven in reverse.
+        via: Points on the way [m], close together on a smooth curve; none for a straight leg.
+    """
 
     x: float
     y: float
     backwards: bool = False
+    via: tuple[tuple[float, float], ...] = ()
 
     def heading(self, start: Pose) -> float:
-        """Returns the heading in which it is driven from a pose [rad]."""
+        """Returns the heading in which it is begun from a pose [rad]."""
         x, y, _ = start.position
-        return math.atan2(self.y - y, self.x - x) + (math.pi if self.backwards else 0.0)
+        first_x, first_y = self.via[0] if self.via else (self.x, self.y)
+        return math.atan2(first_y - y, first_x - x) + (math.pi if self.backwards else 0.0)
+
+    def poses(self, start: Pose) -> list[Pose]:
+        """Returns the poses at its points, from an aligned start on, which is left out."""
+        found = []
+        for x, y in (*self.via, (self.x, self.y)):
+            ahead = BaseLeg(x, y, self.backwards).heading(start)
+            start = Pose.of(x, y, start.position[2], yaw=ahead)
+            found.append(start)
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +104,26 @@ class BasePath:
         here = start
         for number, leg in enumerate(self.legs):
             aligned = Pose.of(*here.position, yaw=leg.heading(here))
-            there = Pose.of(leg.x, leg.y, here.position[2], yaw=aligned.yaw)
             yield from ((float(number), pose) for pose in _between(here, aligned, way, turn))
-            stops = list(_between(aligned, there, way, turn))
+            stops = [
+                stop
+                for before, there in pairwise(_thinned([aligned, *leg.poses(aligned)], way, turn))
+                for stop in _between(before, there, way, turn)
+            ]
             yield from ((number + step / len(stops), pose) for step, pose in enumerate(stops, start=1))
-            here = there
+            here = stops[-1]
         last = Pose.of(*here.position, yaw=self.heading)
         yield from ((float(len(self.legs)), pose) for pose in _between(here, last, way, turn))
+
+
+def _thinned(poses: list[Pose], way: float, turn: float) -> list[Pose]:
+    """Returns the first, the last and as few others as keep distances and turns small."""
+    kept = [poses[0]]
+    for pose, after in pairwise(poses[1:]):
+        last = kept[-1]
+        if after.distance(last) > way or abs(wrap_angle(after.yaw - last.yaw)) > turn:
+            kept.append(pose)
+    return [*kept, poses[-1]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +154,11 @@ def _between(here: Pose, there: Pose, way: float, turn: float) -> Iterator[Pose]
 # ---------------------------------------------------------------------- areas
 
 
+def reach(outline: Outline) -> float:
+    """Returns how far an outline reaches from the middle of the base [m]."""
+    return max(math.hypot(x, y) for x, y in outline)
+
+
 def placed(outline: Outline, pose: Pose) -> BaseGeometry:
     """Returns the area of an outline at a pose [m, map]; empty for a robot that does not touch the floor."""
     return swept(outline, (pose, pose))[0]
@@ -120,11 +171,11 @@ def swept(outline: Outline, poses: Iterable[Pose]) -> list[BaseGeometry]:
     return [shapely.MultiPoint(np.vstack(pair)).convex_hull for pair in pairwise(points)]
 
 
-def floor_area(solid: Solid, pose: Pose) -> BaseGeometry:
-    """Returns the floor area of a solid [m, map]: the union of its blocks' outlines below 1.6 m."""
+def floor_area(solid: Solid, pose: Pose, bottom: float = 0.0, top: float = TALLEST) -> BaseGeometry:
+    """Returns the floor area of a solid [m, map]: the union of the outlines of its blocks between two heights."""
     blocks = [_corners(pose @ block.pose, block) for block in solid.primitives]
-    outlines = [shapely.MultiPoint(points[:, :2]).convex_hull for points in blocks if points[:, 2].min() < _TALLEST]
-    return shapely.union_all(outlines)
+    there = [points for points in blocks if points[:, 2].min() < top and points[:, 2].max() > bottom]
+    return shapely.union_all([shapely.MultiPoint(points[:, :2]).convex_hull for points in there])
 
 
 def _corners(pose: Pose, block: Primitive) -> Array:

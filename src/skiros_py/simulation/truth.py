@@ -177,6 +177,15 @@ class Truth:
                 _keep_deeper(found, RobotContact(point.link, point.other, max(0.0, point.depth)))
         return tuple(found.values())
 
+    def pressure(self, body: str) -> float:
+        """Returns the force with which robots press on a body now [N].
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        robots = {robot.spec.id for robot in self._scene.robots}
+        return sum(point.force for point in self._scene.engine.contacts(body) if point.other in robots)
+
     def watch(self) -> None:
         """Notes what the robots touch now in :attr:`worst`; to be called as often as contacts matter (0.1 ms)."""
         for contact in self.contacts():

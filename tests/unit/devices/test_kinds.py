@@ -12,6 +12,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperTarget
 from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
+from skiros_py.devices.scanner import ScannerSpec
 from skiros_py.errors import DeviceError
 from skiros_py.ports.device import Contribution, DeviceSpec, FakeRobot
 from skiros_py.ports.device_kinds import load_device_kinds
@@ -54,11 +55,16 @@ class TestCamera(DeviceKindContract):
         return SPECS["camera"]
 
 
+class TestScanner(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["scanner"]
+
+
 def test_each_built_in_device_kind_is_covered() -> None:
     kinds, _ = load_device_kinds()
     own = {kind for kind in kinds.by_name.values() if kind.__module__.startswith("skiros_py.")}
 
-    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec, LocaliserSpec}
+    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec, LocaliserSpec, ScannerSpec}
     assert {type(device) for device in SPECS.values()} == own
 
 

@@ -17,27 +17,15 @@ from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
 from skiros_py.motion.adapters import WorkerPlanner, base_paths
 from skiros_py.motion.base_paths import BasePaths
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
-from skiros_py.ports.paths import BasePath, floor_area
+from skiros_py.ports.paths import BasePath, Layer, floor_area
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 HALF_TABLE, DOCK = 0.30, 0.30 + 0.26 + 0.22  # middle of the table to the base docked at it [m]
 
 
 def poses_on(path: BasePath, start: Pose) -> Iterator[Pose]:
-    """Drives a path in small steps: turn, straight, ..., turn."""
-    x, y, heading = start.position[0], start.position[1], start.yaw
-    for leg in path.legs:
-        away = math.pi if leg.backwards else 0.0
-        wanted = math.atan2(leg.y - y, leg.x - x) + away
-        turn = wrap_angle(wanted - heading)
-        for share in np.linspace(0.0, 1.0, 2 + int(abs(turn) / 0.05)):
-            yield Pose.of(x, y, 0.0, yaw=heading + share * turn)
-        for share in np.linspace(0.0, 1.0, 2 + int(math.dist((x, y), (leg.x, leg.y)) / 0.02)):
-            yield Pose.of(x + share * (leg.x - x), y + share * (leg.y - y), 0.0, yaw=wanted)
-        x, y, heading = leg.x, leg.y, wanted
-    turn = wrap_angle(path.heading - heading)
-    for share in np.linspace(0.0, 1.0, 2 + int(abs(turn) / 0.05)):
-        yield Pose.of(x, y, 0.0, yaw=heading + share * turn)
+    """Drives a path in small steps: turn, drive, ..., turn."""
+    return (pose for _, pose in path.poses(start, way=0.02, turn=0.05))
 
 
 def overlap(pose: Pose, obstacles: tuple[Obstacle, ...]) -> float:
@@ -62,7 +50,7 @@ def dock(at: Obstacle) -> Pose:
 
 
 def planned(start: Pose, goal: Pose, *obstacles: Obstacle) -> BasePath | NoMotion:
-    return BasePaths().plan(BasePathRequest(start, goal, FOOTPRINT, obstacles))
+    return BasePaths().plan(BasePathRequest(start, goal, (Layer(FOOTPRINT),), obstacles))
 
 
 def path_of(answer: BasePath | NoMotion) -> BasePath:
@@ -120,9 +108,9 @@ def test_a_dock_is_left_backwards_and_entered_straight_ahead() -> None:
 
     assert [leg.backwards for leg in path.legs] == [True] + [False] * (len(path.legs) - 1)
     assert path.legs[0].y == pytest.approx(0.0, abs=1e-9)
-    before, last = path.legs[-2:]
-    assert math.atan2(last.y - before.y, last.x - before.x) == pytest.approx(math.pi / 2, abs=1e-6)
-    assert last.y - before.y >= 0.25
+    poses = list(poses_on(path, dock(first)))
+    straight = [pose for pose in poses if pose.distance(dock(second)) <= 0.2]
+    assert all(pose.yaw == pytest.approx(math.pi / 2, abs=1e-3) for pose in straight)
 
 
 def test_the_path_in_open_space_is_short() -> None:
@@ -137,14 +125,36 @@ def test_the_path_around_a_wall_has_few_turns() -> None:
 
     path = path_of(planned(Pose(), Pose.of(4.0, 0.0, 0.0), wall))
 
-    points = [(0.0, 0.0), *((leg.x, leg.y) for leg in path.legs)]
-    length = sum(math.dist(a, b) for a, b in pairwise(points))
-    assert len(path.legs) <= 5
-    assert length < 1.15 * 2 * math.hypot(2.0, 1.5 + 0.65)
+    length = sum(a.distance(b) for a, b in pairwise(poses_on(path, Pose())))
+    assert len(path.legs) <= 2
+    assert length < 1.2 * 2 * math.hypot(2.0, 1.5 + 0.65)
+
+
+def test_corners_are_rounded_so_that_the_base_need_not_stop() -> None:
+    wall = Obstacle("wall", Solid.box(0.2, 3.0, 1.0), Pose((2.0, 1.5, 0.0)))
+
+    path = path_of(planned(Pose(), Pose.of(4.0, 0.0, 0.0), wall))
+
+    poses = list(poses_on(path, Pose()))
+    turning = [abs(wrap_angle(b.yaw - a.yaw)) for a, b in pairwise(poses) if b.distance(a) > 0.001]
+    assert len(path.legs) == 1
+    assert max(turning) < 0.06
+
+
+def test_what_sticks_out_above_the_floor_is_kept_from_what_is_as_high() -> None:
+    arm = Layer(((0.3, -0.1), (0.7, -0.1), (0.7, 0.1), (0.3, 0.1)), bottom=0.8, top=1.2)
+    low, high = (Obstacle("bench", Solid.box(0.5, 0.5, top), Pose((1.0, 0.0, 0.0))) for top in (0.7, 0.9))
+    start, goal = Pose((-1.0, 0.0, 0.0)), Pose((0.3, 0.0, 0.0))
+
+    answers = [BasePaths().plan(BasePathRequest(start, goal, (Layer(FOOTPRINT), arm), (o,))) for o in (low, high)]
+
+    assert isinstance(answers[0], BasePath)
+    assert isinstance(answers[1], NoMotion)
+    assert "touch bench" in answers[1].reason
 
 
 def test_a_base_at_its_goal_does_not_move() -> None:
-    path = path_of(planned(Pose(), Pose.of(0.005, 0.0, 0.0, yaw=math.radians(0.5))))
+    path = path_of(planned(Pose(), Pose.of(0.003, 0.0, 0.0, yaw=math.radians(0.3))))
 
     assert path.legs == ()
 
@@ -201,7 +211,7 @@ def test_the_port_answers_from_a_worker_with_its_latency() -> None:
     planner = WorkerPlanner("base paths", base_paths, latency=0.02)
     port: BasePlanner = planner
     try:
-        call = port.plan(BasePathRequest(Pose(), Pose.of(2.0, 0.0, 0.0), FOOTPRINT, ()))
+        call = port.plan(BasePathRequest(Pose(), Pose.of(2.0, 0.0, 0.0), (Layer(FOOTPRINT),), ()))
 
         assert call.latency == 0.02
         assert isinstance(call.result(), BasePath)

@@ -18,7 +18,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
 
-_ACCELERATION = 5.0  # [rad/s²] a URDF has no such limit; gentle for what is held by friction
+_ACCELERATION = 7.5  # [rad/s²] a URDF has no such limit; that of the weakest joint of a Panda
 
 
 def se3(pose: Pose) -> pin.SE3:

@@ -17,6 +17,8 @@ from skiros_py.ports.motion import Held, Obstacle
 _HELD = "what it holds"
 _SAMPLES = 200
 _ALWAYS = 0.9  # share of random postures; shapes that overlap that often are neighbours
+_MANY = 150
+"""Number of shapes from which a tree finds near ones faster than comparing all boxes around them."""
 _DEEPEST_START = 0.03  # [m] how deep the arm may seem to stick in something where a motion starts (localisation error)
 
 
@@ -189,10 +191,14 @@ class Checker:
             self._results.collisionRequests[i].security_margin = margin
             if not is_active:
                 self._results.deactivateCollisionPair(i)
+        manager = pin.BroadPhaseManager_NaiveCollisionManager
+        if len(shapes.geometryObjects) > _MANY:
+            manager = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager
+        self._manager = manager(arm.model, shapes, self._results)
 
     def clear(self, q: Array) -> bool:
         """Returns True when nothing is nearer than the margin at joint angles [rad]."""
-        return not pin.computeCollisions(self._arm.model, self._data, self._shapes, self._results, q, True)
+        return not pin.computeCollisions(self._arm.model, self._data, self._manager, q, True)
 
     def contact(self, q: Array) -> Contact | None:
         """Returns a contact that is too close at joint angles [rad], or None."""

@@ -15,7 +15,7 @@ import pinocchio as pin
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.ports.kinematics import BASE_LINK, InverseKinematics, JointRange, write_robot_urdf
+from skiros_py.ports.kinematics import BASE_LINK, InverseKinematics, JointMotion, JointRange, write_robot_urdf
 
 _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
@@ -119,7 +119,7 @@ def solutions(
 
 
 class PinocchioKinematics:
-    """The links and joints of a robot model; a :class:`skiros_py.ports.kinematics.Kinematics`.
+    """The links and joints of a robot model: a :class:`skiros_py.ports.kinematics.Kinematics` and ``Dynamics``.
 
     Args:
         urdf: Its description. Poses are seen from its base link, or from its root where it has no link of that name.
@@ -165,12 +165,33 @@ class PinocchioKinematics:
         Raises:
             UnknownName: The robot has no such link or joint.
         """
-        frame = self._frame(link)
-        for joint in joints:
-            if joint not in self._joints:
-                raise UnknownName("joint", joint, self._joints)
+        frame, columns = self._frame(link), [self._joint(joint).idx_v for joint in joints]
         whole = pin.computeFrameJacobian(self._model, self._fresh(), self._posture(positions), frame, pin.LOCAL)
-        return np.asarray(whole[:, [self._joints[joint].idx_v for joint in joints]])
+        return np.asarray(whole[:, columns])
+
+    @property
+    def mass(self) -> float:
+        """Mass of the robot [kg]."""
+        return float(pin.computeTotalMass(self._model))
+
+    def efforts(self, motion: JointMotion) -> Array:
+        """Returns what joints exert for a motion [N m or N].
+
+        Raises:
+            UnknownName: The robot has no such joint.
+        """
+        joints = [self._joint(name) for name in motion.joints]
+        indices = [joint.idx_v for joint in joints]
+        velocities, accelerations = np.zeros(self._model.nv), np.zeros(self._model.nv)
+        velocities[indices], accelerations[indices] = motion.velocities, motion.accelerations
+        posture = self._posture(dict(zip(motion.joints, motion.positions, strict=True)))
+        whole = pin.rnea(self._model, self._fresh(), posture, velocities, accelerations)
+        return np.asarray(whole[indices])
+
+    def _joint(self, name: str) -> pin.JointModel:
+        if name not in self._joints:
+            raise UnknownName("joint", name, self._joints)
+        return self._joints[name]
 
     def _computed(self, positions: Mapping[str, float]) -> pin.Data:
         data = self._fresh()

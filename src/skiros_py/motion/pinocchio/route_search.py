@@ -188,7 +188,7 @@ _SEEDS = 24  # for inverse kinematics per pose
 _BEAM = 4  # chains of one route kept after each move
 _STRAIGHT_TRIES = 8  # chains whose free moves are tried straight before any is planned around things
 _AROUND_TRIES = 3  # chains whose free moves are planned around things
-_EFFORT = 4000  # postures checked for each of them at most
+_EFFORT = 12000  # postures checked for each of them at most
 
 
 @dataclass(frozen=True, slots=True, eq=False)

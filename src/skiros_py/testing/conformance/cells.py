@@ -9,6 +9,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.devices.mobile_base import BaseSpec
+from skiros_py.devices.scanner import ScannerSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 
@@ -29,6 +30,7 @@ def small_cell(*, cameras: bool = True) -> CellSpec:
         (
             BaseSpec("base", Pose(), _FOOTPRINT, 0.8, 1.2, 0.8, 1.6),
             LocaliserSpec("localiser"),
+            ScannerSpec("scanner", "scanner", math.pi, 5.0),
             ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),
             GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
             *((eye,) if cameras else ()),

@@ -32,7 +32,7 @@ from skiros_py.ports.motion import (
     PoseMove,
     Route,
 )
-from skiros_py.ports.paths import Path
+from skiros_py.ports.paths import Layer, Path
 from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
@@ -286,7 +286,7 @@ class BasePlannerContract(ABC):
     # ------------------------------------------------------------------ requests
 
     def _answer(self, planner: BasePlanner, start: Pose, goal: Pose, *obstacles: Obstacle) -> Path | NoMotion:
-        return check_pending(planner.plan(BasePathRequest(start, goal, _OUTLINE, obstacles)))
+        return check_pending(planner.plan(BasePathRequest(start, goal, (Layer(_OUTLINE),), obstacles)))
 
     def _path(self, planner: BasePlanner, start: Pose, goal: Pose, *obstacles: Obstacle) -> Path:
         answer = self._answer(planner, start, goal, *obstacles)

@@ -1,0 +1,140 @@
+"""What a scanner sees in a robot's way and no belief explains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_primitives.contact import believe_obstacle
+from skiros_py.devices.scanner import ScannerSpec, ScannerState
+from skiros_py.geometry import Array, Pose, Primitive
+from skiros_py.messages import Message
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import Obstacle
+from skiros_py.ports.paths import TALLEST, Layer, Path, swept
+from skiros_py.skills.context import RunContext
+from skiros_py.world.world import World
+
+_FLOOR = 0.05
+"""What is lower is the floor [m]."""
+_EXPLAINED = 0.06
+"""What is this near to something believed belongs to it [m]: scan, map and localisation are not exact."""
+_AHEAD = 2.2
+"""How far from the middle of the base a thing in the way stops it [m]: it brakes within a third of that."""
+_FEWEST = 3
+"""Number of points of the last scans that make a thing."""
+_SCANS = 5
+_BESIDE = 0.25
+"""Points closer than this to each other belong to one thing [m]: about twice the distance between rays that far off."""
+_BELOW = 0.10
+"""How far a thing may reach below and above what was seen of it: the distance between layers [m]."""
+_GROWN = 0.05
+"""By how much a thing is taken to be larger than what was seen of it [m]."""
+
+
+class Lookout:
+    """Watches one drive along a path.
+
+    Attributes:
+        strange: Points of the last scans that nothing believed explains, in the map [m], shape (n, 3).
+
+    Args:
+        context: The run.
+        robot: The robot that drives.
+        shape: What it covers.
+        start: Where it stands.
+        path: Its path.
+        known: What is believed to stand around.
+    """
+
+    def __init__(
+        self,
+        context: RunContext,
+        robot: RobotSpec,
+        shape: Sequence[Layer],
+        start: Pose,
+        path: Path,
+        known: Sequence[Obstacle],
+    ) -> None:
+        self._context = context
+        self._robot = robot
+        self._blocks = [(one.pose @ block.pose, block) for one in known for block in one.solid.primitives]
+        poses = [pose for _, pose in path.poses(start)]
+        self._ways = [(layer, shapely.union_all(swept(layer.outline, poses))) for layer in shape]
+        for _, way in self._ways:
+            shapely.prepare(way)
+        self._scans = {spec.id: self._scan(spec).number for spec in robot.of(ScannerSpec)}
+        self.strange: Array = np.empty((0, 3))
+        self._seen: list[Array] = []
+
+    def is_blocked(self) -> bool:
+        """Returns True when a new scan shows something in the way; to be asked once per cycle."""
+        for spec in self._robot.of(ScannerSpec):
+            scan = self._scan(spec)
+            if scan.number == self._scans[spec.id]:
+                continue
+            self._scans[spec.id] = scan.number
+            scanner = self._context.frames.at(self._context.board.snapshot).located(spec.id)
+            points = self._unexplained(scanner.apply(np.reshape(scan.points, (-1, 3))))
+            self._seen = [*self._seen[1 - _SCANS :], points]
+            self.strange = np.vstack(self._seen)
+            if self._in_the_way(self.strange) >= _FEWEST:
+                return True
+        return False
+
+    def _scan(self, spec: ScannerSpec) -> ScannerState:
+        return self._context.board.snapshot.state(spec.id, ScannerState)
+
+    def _unexplained(self, points: Array) -> Array:
+        points = points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)]
+        for pose, block in self._blocks:
+            points = points[_distances(points, pose, block) > _EXPLAINED]
+        return points
+
+    def _in_the_way(self, points: Array) -> int:
+        x, y, _ = self._robot.pose(self._context.board.snapshot, self._context.board.guard).position
+        near = points[np.hypot(points[:, 0] - x, points[:, 1] - y) < _AHEAD]
+        inside = np.zeros(len(near), dtype=bool)
+        for layer, way in self._ways:
+            level = (near[:, 2] >= layer.bottom) & (near[:, 2] <= layer.top)
+            inside |= level & shapely.contains_xy(way, near[:, :2])
+        return int(inside.sum())
+
+
+def believe_seen(world: World, author: str, points: Array) -> list[str]:
+    """Writes the things that points show, each as a block around them; returns their ids.
+
+    Args:
+        world: The world model.
+        author: Who saw them.
+        points: In the map [m], shape (n, 3).
+    """
+    found = []
+    for area, low, high in _things(points):
+        (x0, y0), (x1, y1), (x2, y2), *_ = shapely.get_coordinates(area).tolist()
+        middle = area.centroid
+        length, width = math.hypot(x1 - x0, y1 - y0), math.hypot(x2 - x1, y2 - y1)
+        pose = Pose.of(middle.x, middle.y, low, yaw=math.atan2(y1 - y0, x1 - x0))
+        found.append(believe_obstacle(world, author, pose, (length, width, high - low), Message("seen by a scanner")))
+    return found
+
+
+def _things(points: Array) -> Iterator[tuple[BaseGeometry, float, float]]:
+    """Yields a rectangle around each thing, and the heights between which it was seen [m]."""
+    for part in shapely.get_parts(shapely.MultiPoint(points[:, :2]).buffer(_BESIDE / 2.0)):
+        mine = shapely.contains_xy(part, points[:, :2])
+        if mine.any():
+            around = shapely.MultiPoint(points[mine, :2]).buffer(_GROWN).minimum_rotated_rectangle
+            low, high = float(points[mine, 2].min()), float(points[mine, 2].max())
+            yield around, 0.0 if low < 3.0 * _BELOW else low - _BELOW, high + _BELOW
+
+
+def _distances(points: Array, pose: Pose, block: Primitive) -> Array:
+    """Returns the distances of points from a block, shape (n,); a cylinder counts as the box around it."""
+    x, y, z = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
+    outside = np.abs(pose.inverse().apply(points)) - np.array((x, y, z)) / 2.0
+    return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))

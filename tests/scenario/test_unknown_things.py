@@ -1,0 +1,60 @@
+"""Things that no scene names: what a scanner sees is driven around, what an arm meets is felt at once; truth judges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.cell import BodySpec
+from skiros_py.simulation.truth import Truth
+from skiros_py.station.session import Session
+from skiros_py.world import vocabulary as v
+
+pytestmark = pytest.mark.physics
+
+
+def felt(session: Session, body: str) -> list[float]:
+    """Collects the force with which the robot presses on a body, cycle by cycle [N]."""
+    forces: list[float] = []
+    truth = Truth(session.simulation)
+    session.cycle.observe(lambda: forces.append(truth.pressure(body)))
+    return forces
+
+
+@pytest.mark.parametrize(("x", "y", "size", "mass"), [(2.5, 1.45, 0.25, 0.0), (2.9, 1.5, 0.35, 8.0)])
+def test_a_thing_in_the_way_is_seen_and_driven_around(
+    open_session: Callable[..., Session], x: float, y: float, size: float, mass: float
+) -> None:
+    session = open_session("kitting", seed=1)
+    crate = BodySpec("crate", "test:Crate", Solid.box(size, size, 0.5), pose=Pose((x, y, 0.0)), mass=mass)
+    session.simulation.add_body(crate)
+    forces = felt(session, "crate")
+
+    report = session.run(["RobotAtLocation(robot_1, pallet_a)"])
+
+    assert report.reached
+    assert max(forces) == 0.0
+    (obstacle,) = session.world.instances(v.OBSTACLE)
+    seen = session.world.value(obstacle, v.POSE)
+    assert isinstance(seen, Pose)
+    assert seen.distance(Pose((x, y, 0.0))) < 0.4
+
+
+def test_an_arm_that_meets_something_yields_at_once_and_says_so(open_session: Callable[..., Session]) -> None:
+    session = open_session("kitting", seed=3)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    bar = BodySpec("bar", "test:Bar", Solid.box(0.04, 0.6, 0.04), pose=Pose((4.86, 1.6, 0.78)), mass=0.0)
+    session.simulation.add_body(bar)
+    forces = felt(session, "bar")
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+
+    pressed = np.array(forces)
+    assert pressed.max() > 0.0
+    assert ((pressed[1:] + pressed[:-1]) / 2.0).max() <= 280.0  # 10 ms mean: ISO/TS 15066, hand, transient
+    assert pressed[-200:].mean() <= 140.0
+    assert session.world.instances(v.OBSTACLE)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
