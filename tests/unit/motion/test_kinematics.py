@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support import warm_python
 
+from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.motion.pinocchio.kinematics import PinocchioKinematics
-from skiros_py.ports.kinematics import JointRange
+from skiros_py.ports.kinematics import JointMotion, JointRange
 
 INERTIAL = """<inertial><mass value="1"/>
     <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"""
@@ -52,3 +54,20 @@ def test_a_pose_is_computed_without_importing_scipy(tmp_path: Path) -> None:
     ended = warm_python.run([sys.executable, "-c", code])
 
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_efforts_carry_weight_and_speed_up_mass(tmp_path: Path) -> None:
+    table = model_of(tmp_path, TABLE)
+
+    def effort(acceleration: float) -> float:
+        at_rest = np.zeros(1)
+        return float(table.efforts(JointMotion(("lift",), at_rest, at_rest, np.array([acceleration])))[0])
+
+    assert table.mass == pytest.approx(1.0)
+    assert effort(0.0) == pytest.approx(9.81)
+    assert effort(2.0) == pytest.approx(11.81)
+
+
+def test_efforts_of_an_unknown_joint_are_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="'tilt'"):
+        model_of(tmp_path, TABLE).efforts(JointMotion(("tilt",), np.zeros(1), np.zeros(1), np.zeros(1)))

@@ -1,0 +1,110 @@
+"""Following paths with a differential-drive base that has limits of acceleration and a localiser with errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import shapely
+
+from skiros_py.devices.common import approach
+from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
+from skiros_py.geometry import Pose, Solid, wrap_angle
+from skiros_py.motion.base_paths import BasePaths
+from skiros_py.ports.motion import BasePathRequest, Obstacle
+from skiros_py.ports.paths import BaseLeg, BasePath, Layer, floor_area, placed, swept
+
+FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+SPEC = BaseSpec("base", Pose(), FOOTPRINT, 0.8, 1.2, 0.5, 1.5)
+PERIOD = 1.0 / 200.0
+
+
+class Base:
+    """A base that slips nowhere, and whose localiser errs differently where it starts and where it arrives."""
+
+    def __init__(self, start: Pose, rng: np.random.Generator) -> None:
+        self._old, self._new = rng.normal(size=(2, 3)) * (0.005, 0.005, math.radians(0.3))
+        self._faded = self._linear = self._angular = 0.0
+        x, y, yaw = self._old.tolist()
+        self.truth = start @ Pose.of(x, y, 0.0, yaw=yaw).inverse()
+
+    @property
+    def speed(self) -> float:
+        return self._linear
+
+    def believed(self) -> Pose:
+        angle = self._faded * math.pi / 2.0
+        x, y, yaw = (math.cos(angle) * self._old + math.sin(angle) * self._new).tolist()
+        here = self.truth.position
+        return Pose.of(here[0] + x, here[1] + y, 0.0, yaw=self.truth.yaw + yaw)
+
+    def drive(self, path: BasePath) -> Iterator[Pose]:
+        """Drives a path, and yields where it believes to be."""
+        follower = SPEC.follow(path, self.believed)
+        for _, target in follower:
+            self._step(target)
+            yield self.believed()
+        while self._linear or self._angular:
+            self._step(BaseTwist(0.0, 0.0))
+
+    def _step(self, target: BaseTwist) -> None:
+        self._linear = approach(self._linear, target.linear, SPEC.max_linear_acceleration * PERIOD)
+        self._angular = approach(self._angular, target.angular, SPEC.max_angular_acceleration * PERIOD)
+        turn = self._angular * PERIOD
+        way = self._linear * PERIOD
+        self.truth @= Pose.of(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), 0.0, yaw=turn)
+        self._faded = min(1.0, self._faded + (abs(self._linear) + abs(self._angular)) * PERIOD / 0.5)
+
+
+def drive_through_a_hall(rng: np.random.Generator) -> tuple[Pose, Pose, BasePath]:
+    """Returns a start, a goal and the path between them, among boxes."""
+
+    def anywhere() -> Pose:
+        return Pose.of(rng.uniform(-1, 6), rng.uniform(-1, 6), 0.0, yaw=rng.uniform(-3, 3))
+
+    while True:
+        boxes = tuple(Obstacle(f"box_{k}", Solid.box(*rng.uniform(0.3, 1.0, 2), 1.0), anywhere()) for k in range(5))
+        areas = shapely.union_all([floor_area(box.solid, box.pose) for box in boxes]).buffer(0.03)
+        start, goal = anywhere(), anywhere()
+        if not any(areas.intersects(placed(FOOTPRINT, pose)) for pose in (start, goal)):
+            path = BasePaths().plan(BasePathRequest(start, goal, (Layer(FOOTPRINT),), boxes))
+            if isinstance(path, BasePath):
+                return start, goal, path
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_base_arrives_within_5_mm_and_half_a_degree_and_stays_on_its_path(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    start, goal, path = drive_through_a_hall(rng)
+    declared = shapely.union_all(swept(FOOTPRINT, [pose for _, pose in path.poses(start)])).buffer(0.06)
+    base = Base(start, rng)
+
+    beside = [not declared.covers(placed(FOOTPRINT, pose)) for k, pose in enumerate(base.drive(path)) if k % 20 == 0]
+
+    assert not any(beside)
+    assert math.dist(base.believed().position[:2], goal.position[:2]) <= 0.005
+    assert abs(wrap_angle(base.believed().yaw - goal.yaw)) <= math.radians(0.5)
+
+
+def test_a_base_comes_back_to_its_line_backwards_too() -> None:
+    path = BasePath((BaseLeg(-2.0, 0.0, backwards=True),), 0.0)
+    base = Base(Pose(), np.random.default_rng(3))
+    base.truth = base.truth @ Pose.of(0.0, 0.02, 0.0)
+
+    *_, last = base.drive(path)
+
+    assert math.dist(last.position[:2], (-2.0, 0.0)) <= 0.005
+
+
+def test_a_curve_is_driven_without_a_stop() -> None:
+    turns = np.linspace(0.0, math.pi / 2.0, 40)[1:].tolist()
+    *via, end = [(2.0 * math.sin(turn), 2.0 * (1.0 - math.cos(turn))) for turn in turns]
+    base = Base(Pose(), np.random.default_rng(5))
+
+    speeds = [base.speed for _ in base.drive(BasePath((BaseLeg(*end, via=tuple(via)),), math.pi / 2.0))]
+
+    under_way = speeds[speeds.index(max(speeds)) : -400]
+    assert max(speeds) > 0.6
+    assert min(under_way) > 0.3
