@@ -211,7 +211,7 @@ _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
 _BRAKING_SHARE = 0.8
 """Share of an acceleration limit that is planned with; the rest is left for corrections."""
-_STEERING_SHARE = 0.7
+_STEERING_SHARE = 0.85
 """The same of turning speed, and of the root of turning acceleration."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
