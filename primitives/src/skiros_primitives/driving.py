@@ -235,8 +235,7 @@ class DriveBase(DrivingPrimitive):
         if path.legs:
             self.leave(Message("drives off"))
         robot = self.context.cell.group_of(self.params.base)
-        known = (*self._known, *floor_obstacles.bodies(self.context, robot.id))
-        lookout = Lookout(self.context, robot, self._shape, self.pose, path, known)
+        lookout = Lookout(self.context, robot, self._shape, self.pose, path, obstacles(self.context, parts=True))
         stuck = yield from self.drive(base, path, way, lookout=lookout)
         if stuck is None:
             return self._arrived(self.pose, goal)
@@ -247,11 +246,6 @@ class DriveBase(DrivingPrimitive):
         if leg <= legs:
             return Failure(Message("stuck on leg {leg} of {legs} to {location}", leg=leg, legs=legs, location=location))
         return Failure(Message("stuck while turning at {location}", location=location))
-
-    @property
-    def _known(self) -> tuple[Obstacle, ...]:
-        """What a scanner may see without surprise."""
-        return obstacles(self.context, parts=True)
 
     def _back_off(self, base: Mobile, path: Path, leg: int) -> Execution[None]:
         """Writes that something is where the base met it, and drives back a little."""

@@ -10,12 +10,13 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives.contact import believe_obstacle
+from skiros_primitives.floor_obstacles import bodies, standing
 from skiros_py.devices.scanner import ScannerSpec, ScannerState
 from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import TALLEST, Layer, Path, swept
+from skiros_py.ports.paths import TALLEST, Layer, Path, floor_area, swept
 from skiros_py.skills.context import RunContext
 from skiros_py.world.world import World
 
@@ -30,6 +31,8 @@ _FEWEST = 3
 _SCANS = 5
 _BESIDE = 0.25
 """Points closer than this to each other belong to one thing [m]: about twice the distance between rays that far off."""
+_AROUND = 0.15
+"""Points this near to another robot belong to it [m]: a robot moves between scan and localisation."""
 _BELOW = 0.10
 """How far a thing may reach below and above what was seen of it: the distance between layers [m]."""
 _GROWN = 0.05
@@ -80,6 +83,7 @@ class Lookout:
             self._scans[spec.id] = scan.number
             scanner = self._context.frames.at(self._context.board.snapshot).located(spec.id)
             points = self._unexplained(scanner.apply(np.reshape(scan.points, (-1, 3))))
+            points = points[~shapely.contains_xy(self._others(), points[:, :2])]
             self._seen = [*self._seen[1 - _SCANS :], points]
             self.strange = np.vstack(self._seen)
             if self._in_the_way(self.strange) >= _FEWEST:
@@ -94,6 +98,12 @@ class Lookout:
         for pose, block in self._blocks:
             points = points[_distances(points, pose, block) > _EXPLAINED]
         return points
+
+    def _others(self) -> BaseGeometry:
+        """Returns the floor around the other robots and below their arms, wherever they are now."""
+        robot = self._robot.id
+        them = (*bodies(self._context, robot), *standing(self._context, robot, margin=0.0))
+        return shapely.union_all([floor_area(one.solid, one.pose) for one in them]).buffer(_AROUND)
 
     def _in_the_way(self, points: Array) -> int:
         x, y, _ = self._robot.pose(self._context.board.snapshot, self._context.board.guard).position
