@@ -75,7 +75,7 @@ def test_all_drivers_are_closed_even_if_one_of_them_fails():
     with pytest.raises(DeviceError, match="stuck"):
         cell.close()
 
-    assert closed == [4]
+    assert closed == [5]
 
 
 def test_a_cell_is_divided_by_driver_and_mounted_devices_follow_their_robot():
