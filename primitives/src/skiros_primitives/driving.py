@@ -14,11 +14,12 @@ from shapely.geometry.base import BaseGeometry
 from skiros_primitives import floor_obstacles
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_obstacle, believe_seen
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinematics import Dynamics
+from skiros_py.ports.kinematics import Dynamics, Kinematics
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import Layer, Outline, Path, reach
 from skiros_py.skills.context import RunContext, Way
@@ -67,6 +68,12 @@ class Bumper:
 
 class DrivingPrimitive(Primitive[Any]):
     """Base of the primitives that drive; their parameters have fields ``base`` and ``robot``."""
+
+    @classmethod
+    def load(cls, context: RunContext) -> None:
+        """Loads the kinematics of the arms, which tell what sticks out: a control cycle is too short for that."""
+        for arm in (arm for robot in context.cell.robots for arm in robot.of(ArmSpec)):
+            context.ports.find(Kinematics, arm.id)
 
     @property
     def pose(self) -> Pose:
@@ -233,6 +240,7 @@ class DriveBase(DrivingPrimitive):
     def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
             self.leave(Message("drives off"))
+        yield  # the way was asked for in this cycle, which takes some milliseconds, too
         robot = self.context.cell.group_of(self.params.base)
         lookout = Lookout(self.context, robot, self._shape, self.pose, path, obstacles(self.context, parts=True))
         stuck = yield from self.drive(base, path, way, lookout=lookout)

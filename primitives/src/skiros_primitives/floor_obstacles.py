@@ -83,14 +83,18 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
 
 
 def shape(context: RunContext, robot: RobotSpec) -> tuple[Layer, ...]:
-    """Returns what a robot covers with its arms as they are: its base up to its full height, and links and loads."""
+    """Returns what a robot covers with its arms as they are: its base up to its full height, and what sticks out."""
     layers = [Layer(tuple(robot.outline))]
     base = shapely.MultiPoint(list(robot.outline)).convex_hull
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
             around = [_covered(points, radius) for points, radius in _pieces(context, robot, arm, kinematics)]
-            layers += [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
+            out = [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
+            if out:
+                hull = shapely.MultiPoint(outline(out)).convex_hull
+                corners = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(hull)[:-1])
+                layers.append(Layer(corners, min(one.bottom for one in out), max(one.top for one in out)))
     return tuple(layers)
 
 
