@@ -51,7 +51,9 @@ def test_an_arm_is_jogged_until_it_would_collide_and_the_docking_pose_is_taught(
         after = state()["frames"]["arm_1"]["position"]
         held_back = jog("base_1", "jog_base", dx=0.1)
         home = jog("arm_1", "home")
-        down = [jog("arm_1", "jog_tool", frame="map", translation=[0.0, 0.0, -0.1]) for _ in range(5)]
+        for _ in range(2):
+            jog("arm_1", "jog_tool", frame="map", translation=[0.1, 0.0, 0.0])
+        down = [jog("arm_1", "jog_tool", frame="map", translation=[0.0, 0.0, -0.1]) for _ in range(6)]
         jog("arm_1", "home")
         before = state()["pose"]["position"]
         into_it = jog("base_1", "jog_base", dx=0.2)
