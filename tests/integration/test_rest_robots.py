@@ -68,6 +68,7 @@ def test_devices_of_any_kind_are_described_with_their_values(api) -> None:
     assert {id_: device.kind for id_, device in told.items()} == {
         "base_1": "base",
         "localiser_1": "localiser",
+        "scanner_1": "scanner",
         "arm_1": "arm",
         "gripper_1": "gripper",
         "camera_1": "camera",

@@ -27,6 +27,10 @@ _FLOOR = 0.05
 """What is lower is the floor [m]."""
 _EXPLAINED = 0.06
 """What is this near to something believed belongs to it [m]: scan, map and localisation are not exact."""
+_ON_TOP = 0.25
+"""Height of what may stand on something known, such as parts whose places are not known yet [m]."""
+_NEAR = 2.5
+"""Distance from a scanner beyond which an error in heading moves known things too far to explain points [m]."""
 _AHEAD = 2.2
 """How far from the middle of the base a thing in the way stops it [m]: it brakes within a third of that."""
 _FEWEST = 3
@@ -85,7 +89,8 @@ class Lookout:
                 continue
             self._scans[spec.id] = scan.number
             scanner = self._context.frames.at(self._context.board.snapshot).located(spec.id)
-            points = self._unexplained(scanner.apply(np.reshape(scan.points, (-1, 3))))
+            points = np.reshape(scan.points, (-1, 3))
+            points = self._unexplained(scanner.apply(points[np.hypot(*points[:, :2].T) < _NEAR]))
             points = points[~shapely.contains_xy(self._others(), points[:, :2])]
             self._seen = [*self._seen[1 - _SCANS :], points]
             self.strange = np.vstack(self._seen)
@@ -165,7 +170,12 @@ def _things(points: Array) -> Iterator[tuple[BaseGeometry, float, float]]:
 
 
 def _distances(points: Array, pose: Pose, block: Primitive) -> Array:
-    """Returns the distances of points from a block, shape (n,); a cylinder counts as the box around it."""
+    """Returns the distances of points from a block and what may stand on it, shape (n,).
+
+    A cylinder counts as the box around it.
+    """
     x, y, z = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
-    outside = np.abs(pose.inverse().apply(points)) - np.array((x, y, z)) / 2.0
+    local = pose.inverse().apply(points)
+    local[:, 2] = np.minimum(local[:, 2], np.maximum(z / 2.0, local[:, 2] - _ON_TOP))
+    outside = np.abs(local) - np.array((x, y, z)) / 2.0
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))

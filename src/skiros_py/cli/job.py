@@ -70,10 +70,12 @@ def _jobs(data: Path | None, url: str | None, key_file: Path | None) -> Iterator
 @served("job list --data cell --state Running --state Interrupted", command, _jobs)
 @click.option("--state", "states", multiple=True, type=click.Choice(_STATES), help="Only this state; may be repeated.")
 @click.option("--limit", type=click.IntRange(1, 1000), default=100, show_default=True, help="How many at most.")
-def list_jobs(jobs: Jobs, states: tuple[str, ...], limit: int) -> Found:
+@click.option("--cursor", type=click.IntRange(min=0), help="Go on where the list before ended.")
+def list_jobs(jobs: Jobs, states: tuple[str, ...], limit: int, cursor: int | None) -> Found:
     """Lists jobs in the order in which they were ordered."""
-    found = jobs.list(states=states, limit=limit)
-    return found, job_table(found.items)
+    found = jobs.list(states=states, limit=limit, cursor=None if cursor is None else str(cursor))
+    more = [] if found.next is None else [f"there are more: --cursor {found.next}"]
+    return found, [*job_table(found.items), *more]
 
 
 @served("job show kit-17 --data cell", command, _jobs)

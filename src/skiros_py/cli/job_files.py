@@ -9,7 +9,7 @@ from pathlib import Path
 
 from skiros_py.api.jobs import Job, JobPage, JobPlan, JobTrace, StateName
 from skiros_py.errors import FileError, UnknownName
-from skiros_py.station.jobs.views import STATES, job_view, plan_of
+from skiros_py.station.jobs.views import STATES, job_view, next_cursor, plan_of
 from skiros_py.tasks.jobs.job import Job as Known
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.world.journal.data_directory import DirectoryLock
@@ -47,11 +47,11 @@ class JobFiles:
         """
         return job_view(self._job(job), time.time())
 
-    def list(self, *, states: Sequence[str], limit: int) -> JobPage:
-        """Returns the first jobs that are in some states; in any where none is given."""
+    def list(self, *, states: Sequence[str], limit: int, cursor: str | None = None) -> JobPage:
+        """Returns the first jobs, or those after a cursor, that are in some states; in any where none is given."""
         wanted = [STATES[StateName(state)] for state in states] if states else None
-        page = self._store.page(states=wanted, limit=limit)
-        return JobPage(items=tuple(job_view(job, time.time()) for job in page.jobs), next=None)
+        page = self._store.page(states=wanted, limit=limit, after=None if cursor is None else int(cursor))
+        return JobPage(items=tuple(job_view(job, time.time()) for job in page.jobs), next=next_cursor(page))
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""

@@ -36,6 +36,10 @@ class Halt(NamedTuple):
     since: float
 
 
+_AGAIN = 1.0
+"""Time until the next attempt to store a stop that could not be stored [s]."""
+
+
 class HaltMark:
     """The file whose presence keeps everything halted; thread-safe.
 
@@ -47,6 +51,7 @@ class HaltMark:
         self._path = path
         self._guard = threading.Lock()
         self._wanted: Halt | None = None
+        self._is_reported = False
 
     def read(self) -> Halt | None:
         """Returns the stop left by a previous server; an unreadable file counts as a stop, too."""
@@ -66,10 +71,10 @@ class HaltMark:
         return self._wanted
 
     def keep(self, halt: Halt) -> None:
-        """Writes a stop in a thread of its own: a stop does not wait for a disk."""
+        """Writes a stop in a thread of its own: a stop does not wait for a disk, even a full one."""
         self._wanted = halt
         try:
-            threading.Thread(target=self._settle, name="skiros-halt-mark", daemon=True).start()
+            threading.Thread(target=self._settle_at_last, name="skiros-halt-mark", daemon=True).start()
         except RuntimeError:  # no more threads: write in this one
             self._settle()
 
@@ -79,8 +84,17 @@ class HaltMark:
             self._wanted = None
             self._settle()
 
-    def _settle(self) -> None:
-        """Writes the current state to the file: a reset may have been requested before the stop was written."""
+    def _settle_at_last(self) -> None:
+        """Writes the current state, again and again until the disk takes it."""
+        while not self._settle():
+            time.sleep(_AGAIN)
+
+    def _settle(self) -> bool:
+        """Writes the current state to the file: a reset may have been requested before the stop was written.
+
+        Returns:
+            Whether it is written.
+        """
         with self._guard:
             wanted = self._wanted
             try:
@@ -89,7 +103,12 @@ class HaltMark:
                 else:
                     write_atomically(self._path, json.dumps(wanted), private=True)
             except (OSError, FileError) as error:
-                _log.error("a stop would not outlive the server: %s", error)
+                if not self._is_reported:
+                    _log.error("a stop would not outlive the server, until the disk can be written: %s", error)
+                self._is_reported = True
+                return False
+            self._is_reported = False
+            return True
 
 
 _PATIENCE = 0.5

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
+
+import pytest
 
 from skiros_py.station.stops import Halt, HaltMark
 
@@ -47,8 +50,25 @@ def test_a_reset_deletes_a_halt_mark_read_from_the_disk(tmp_path: Path) -> None:
     assert HaltMark(tmp_path / "halted.json").read() is None
 
 
+def test_a_stop_that_cannot_be_stored_is_stored_when_the_disk_takes_it_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiros_py.station.stops._AGAIN", 0.01)
+    mark = HaltMark(tmp_path / "later" / "halted.json")
+    mark.keep(HALT)
+    time.sleep(0.05)
+
+    (tmp_path / "later").mkdir()
+
+    deadline = time.monotonic() + 10.0
+    while HaltMark(tmp_path / "later" / "halted.json").read() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert HaltMark(tmp_path / "later" / "halted.json").read() == HALT
+
+
 def test_a_stop_that_cannot_be_stored_still_takes_effect(tmp_path: Path) -> None:
     mark = HaltMark(tmp_path / "nowhere" / "halted.json")
     mark.keep(HALT)
     settled(mark)
     assert not (tmp_path / "nowhere").exists()
+    mark.forget()

@@ -270,13 +270,13 @@ class JobService(Service):
     def all(self, **wanted: Unpack[JobFilter]) -> api.JobPage:
         """Lists the jobs that were not removed, in order of acceptance."""
         page, now = self._page(**wanted), time.time()
-        return api.JobPage(items=tuple(views.job_view(job, now) for job in page.jobs), next=_next(page))
+        return api.JobPage(items=tuple(views.job_view(job, now) for job in page.jobs), next=views.next_cursor(page))
 
     def responses(self, **wanted: Unpack[JobFilter]) -> api.JobResponses:
         """Lists the ISA-95 job responses of the jobs that were not removed."""
         page, now = self._page(**wanted), time.time()
         return api.JobResponses(
-            items=tuple(views.response_of(self._jobs, job, now) for job in page.jobs), next=_next(page)
+            items=tuple(views.response_of(self._jobs, job, now) for job in page.jobs), next=views.next_cursor(page)
         )
 
     def _page(self, **wanted: Unpack[JobFilter]) -> Page:
@@ -357,10 +357,6 @@ def _new(job: Job) -> OrderResult:
 def _said(author: Author, comment: str) -> str:
     """Returns a comment with its author, for the record."""
     return f"{author.name}: {comment}" if comment else Message("by {author}", author=author.name)
-
-
-def _next(page: Page) -> str | None:
-    return None if page.next is None else str(page.next)
 
 
 def _check_removed(last: Job | None, order: api.JobOrder) -> None:

@@ -11,6 +11,7 @@ from skiros_py.planning.plan import Plan
 from skiros_py.tasks.jobs.job import Job, JobState, Transition
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.store import Announcement as Announcement  # also for the server
+from skiros_py.tasks.jobs.store import Page
 from skiros_py.tasks.trace import TraceEventKind
 
 Trace = Sequence[Mapping[str, Any]]
@@ -39,6 +40,11 @@ _COMMANDS: Mapping[JobState, tuple[str, ...]] = {
     JobState.ABORTED: ("clear",),
 }
 """The commands that a job accepts in its state."""
+
+
+def next_cursor(page: Page) -> str | None:
+    """Returns what to ask with for the jobs after a page; None after the last one."""
+    return None if page.next is None else str(page.next)
 
 
 def job_view(job: Job, now: float) -> api.Job:

@@ -388,9 +388,11 @@ class JobManager:
             if run is None:
                 return self._book.move(now, trigger, comment, outcome=outcome, detail="", choices=(), question=None)
             next_state(now.state, trigger)  # raises if it is not allowed
+            ending = self._book.change(now.but(detail=Message("is being {outcome}", outcome=outcome.value)))
+            # Only now: what cannot be stored is refused, and then nothing happens.
             run.end_as(trigger, outcome, comment)
             self._runner.schedule(self._runner.command, job, JobRun.stop)
-            return self._book.change(now.but(detail=Message("is being {outcome}", outcome=outcome.value)))
+            return ending
 
     # ------------------------------------------------------------------ what must be so
 

@@ -182,6 +182,9 @@ def test_a_write_that_fails_once_between_steps_holds_the_job_for_a_moment_only(
         assert paced.jobs.shown(paced.jobs.job("a")).state is JobState.INTERRUPTED
         with pytest.raises(DiskFault):
             paced.jobs.submit_all([Submission(ORDER.model_copy(update={"id": id_})) for id_ in "bc"])
+        for refused in (paced.jobs.stop, paced.jobs.abort):
+            with pytest.raises(DiskFault):
+                refused("a")
         assert set(paced.jobs.open) <= {"a"}
     assert [job.id for job in paced.store.page().jobs] == ["a"]
     paced.step_until(lambda: paced.jobs.idle)
