@@ -36,7 +36,7 @@ PAGES: Mapping[str, tuple[str, Sequence[str]]] = {
             "skiros_py.devices.mobile_base:Base,BaseState,BaseTwist,BaseSpec",
             "skiros_py.devices.camera:Camera,CameraSpec",
             "skiros_py.devices.localiser:LocaliserState,LocaliserSpec",
-            "skiros_py.devices.scanner:ScannerState,ScannerSpec,Scanner",
+            "skiros_py.devices.scanner:ScannerState,ScannerSpec",
         ),
     ),
     "world": (

@@ -262,7 +262,7 @@ class DriveBase(DrivingPrimitive):
         x, y, _ = (self.pose @ Pose((ahead * (edge + _BLOCK[0] / 2.0), 0.0, 0.0))).position
         reason = Message("{base} met something", base=self.params.base)
         believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=self.pose.yaw), _BLOCK, reason)
-        self.emit("contact", {"device": self.params.base, "link": "", "effort": 0.0})
+        self.emit("contact", {"device": self.params.base})
         retreat = base.direct_path(self.pose, self.pose @ Pose((-ahead * _RETREAT, 0.0, 0.0)))
         follower, deadline = base.follow(retreat, lambda: self.pose, max_linear=_SLOWLY), self.context.now + 5.0
         for _, target in follower:

@@ -9,7 +9,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from skiros_py.devices.common import BASE_STILL
-from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.kinematics import BASE_JOINTS
 from skiros_py.ports.simulation import SimulatedRobot
@@ -80,12 +79,6 @@ class ScannerSpec(DeviceSpec[ScannerState, None]):
     def frame_names(self) -> tuple[str, ...]:
         """Its frame."""
         return (self.frame,)
-
-
-class Scanner(DeviceHandle[ScannerSpec, ScannerState, None]):
-    """A scanner in the hands of a primitive."""
-
-    spec_type: ClassVar[Any] = ScannerSpec
 
 
 class _FakeScanner:

@@ -55,8 +55,7 @@ def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
 
 
 _TIP_SPEED = 0.65
-"""Greatest speed of the tip [m/s]: stopped within a cycle by an unexpected contact, an arm of some 4 kg at the tip then
-stays below the 280 N of ISO/TS 15066 for a hand."""
+"""Greatest speed of the tip [m/s]; a slower arm hits more softly, but nothing stops it at a contact yet."""
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
 
 
