@@ -40,3 +40,20 @@ def test_a_thing_in_the_way_is_seen_and_driven_around(
     seen = [session.world.value(obstacle, v.POSE) for obstacle in session.world.instances(v.OBSTACLE)]
     assert seen
     assert all(isinstance(pose, Pose) and math.dist(pose.position[:2], (x, y)) < 0.5 for pose in seen)
+
+
+def test_a_base_that_meets_what_it_cannot_see_moves_back_and_says_so(open_session: Callable[..., Session]) -> None:
+    session = open_session("kitting", seed=1)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    behind = Pose((4.22 - 0.50 - 0.07 - 0.15, 1.6, 0.0))
+    session.simulation.add_body(BodySpec("box", "test:Box", Solid.box(0.3, 0.4, 0.5), pose=behind, mass=0.0))
+    forces = felt(session, "box")
+
+    report = session.run(["RobotAtLocation(robot_1, kit_1)"])
+
+    held = [sum(forces[k : k + 100]) / 100.0 for k in range(len(forces) - 100)]
+    assert max(forces) > 0.0
+    assert max(held) <= 140.0
+    assert sum(forces[-100:]) == 0.0
+    assert session.world.instances(v.OBSTACLE)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]

@@ -13,7 +13,8 @@ from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individu
 from skiros_py.ports.kinematics import BASE_JOINTS
 from skiros_py.ports.simulation import SimulatedRobot
 
-_COLUMNS, _LAYERS = 61, 8  # rays across, and above each other
+_COLUMNS, _LAYERS = 61, 24  # rays across, and above each other
+_TURNS = 3  # each scan has every third layer, so that three in a row have all of them
 _LOWEST, _HIGHEST = math.radians(-18.0), math.radians(48.0)
 _RATE = 10.0  # [1/s]
 _NOISE = 0.01  # [m]
@@ -114,7 +115,8 @@ class SimulatedScanner:
             axis.ravel() for axis in np.meshgrid(np.linspace(_LOWEST, _HIGHEST, _LAYERS), across, indexing="ij")
         )
         directions = np.column_stack([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
-        self._ends = spec.reach * directions
+        by_layer = (spec.reach * directions).reshape(_LAYERS, _COLUMNS, 3)
+        self._ends = [by_layer[turn::_TURNS].reshape(-1, 3) for turn in range(_TURNS)]
         self._state = ScannerState()
 
     def command(self, target: None) -> None:
@@ -132,12 +134,12 @@ class SimulatedScanner:
         return self._state
 
     def _scanned(self) -> ScannerState:
-        pose = self._link.pose()
-        start = np.broadcast_to(np.asarray(pose.position), self._ends.shape)
-        hits = self._robot.engine.cast_rays(start, pose.apply(self._ends))
+        pose, ends = self._link.pose(), self._ends[self._state.number % _TURNS]
+        start = np.broadcast_to(np.asarray(pose.position), ends.shape)
+        hits = self._robot.engine.cast_rays(start, pose.apply(ends))
         met = np.array([hit is not None and hit.body != self._robot.name for hit in hits])
         shares = np.array([hit.fraction for hit in hits if hit is not None and hit.body != self._robot.name])
-        points = self._ends[met] * shares[:, None]
+        points = ends[met] * shares[:, None]
         ranges = np.linalg.norm(points, axis=1)
         points = points * (1.0 + self._rng.normal(0.0, _NOISE, len(points)) / np.maximum(ranges, 1e-6))[:, None]
         met_at = tuple((x, y, z) for x, y, z in points.tolist())

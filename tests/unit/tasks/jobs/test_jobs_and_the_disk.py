@@ -77,7 +77,7 @@ def no_room(file: Path) -> Iterator[None]:
 @contextmanager
 def broken(file: Path) -> Iterator[None]:
     """The kernel refuses with EIO what SQLite writes into, or reads from, the log of a file."""
-    memory = os.open("/proc/self/mem", os.O_RDWR)  # the addresses of the first pages belong to nobody
+    memory = os.open("/proc/self/mem", os.O_RDWR)  # the first pages of memory are never mapped
     links = [link for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
     logs = [int(link.name) for link in links if link.readlink().name == f"{file.name}-wal"]
     before = [os.dup(descriptor) for descriptor in logs]
