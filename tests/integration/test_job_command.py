@@ -48,6 +48,20 @@ def test_a_job_without_a_plan_exits_with_status_three(server: ServerProcess) -> 
     assert "pallet_b is not a Compartment" in done.stdout
 
 
+def test_a_long_list_of_jobs_goes_on_where_it_ended(server: ServerProcess) -> None:
+    for name in ("page-1", "page-2"):
+        assert job(server, "submit", STARTER, "--id", name, "--hold").returncode == 0
+
+    first = json.loads(job(server, "list", "--limit", "1", "--state", "NotAllowedToStart", "--json").stdout)
+    second = json.loads(
+        job(server, "list", "--state", "NotAllowedToStart", "--cursor", first["next"], "--json").stdout
+    )
+
+    assert [one["id"] for one in first["items"] + second["items"]] == ["page-1", "page-2"]
+    for name in ("page-1", "page-2"):
+        assert job(server, "cancel", name).returncode == 0
+
+
 def test_a_job_that_may_not_start_yet_accepts_commands_until_it_is_removed(server: ServerProcess) -> None:
     assert job(server, "submit", STARTER, "--id", "held", "--hold").returncode == 0
     assert "NotAllowedToStart" in job(server, "show", "held").stdout

@@ -14,7 +14,7 @@ from skiros_py.cli.ending import ignore_stops, leave, unwind_on_stops, warnings_
 from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.output import NOT_REACHED, REACHED, STOPPED, USAGE, answer, answers_alone, brief, silence
 from skiros_py.errors import DeviceError, PlanningError, SkirosError
-from skiros_py.interruptions import by_user
+from skiros_py.interruptions import UserStop, by_user
 
 _COMMANDS = {
     "run": ("run", "Plan and execute the goal of a scene."),
@@ -67,8 +67,11 @@ def main() -> None:
     as_json = "--json" in arguments
     # stdout is for the answer where a program reads it, or where PyBullet's window prints from C
     stdout = answers_alone(prints=as_json) if as_json or "--gui" in arguments else nullcontext()
-    with stdout, warnings_on_stderr():
-        status = _run(arguments, as_json=as_json)
+    try:
+        with stdout, warnings_on_stderr():
+            status = _run(arguments, as_json=as_json)
+    except UserStop:  # a second stop, while the first was being answered
+        status = STOPPED
     ignore_stops()
     leave(status)
 
