@@ -1,10 +1,11 @@
-"""Things that no scene names, seen by a scanner and driven around; truth judges."""
+"""Things that no scene names: what a scanner sees is driven around, what an arm meets is felt at once; truth judges."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from skiros_py.geometry import Pose, Solid
@@ -55,5 +56,22 @@ def test_a_base_that_meets_what_it_cannot_see_moves_back_and_says_so(open_sessio
     assert max(forces) > 0.0
     assert max(held) <= 140.0
     assert sum(forces[-100:]) == 0.0
+    assert session.world.instances(v.OBSTACLE)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
+def test_an_arm_that_meets_something_yields_at_once_and_says_so(open_session: Callable[..., Session]) -> None:
+    session = open_session("kitting", seed=3)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    bar = BodySpec("bar", "test:Bar", Solid.box(0.04, 0.6, 0.04), pose=Pose((4.86, 1.6, 0.78)), mass=0.0)
+    session.simulation.add_body(bar)
+    forces = felt(session, "bar")
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+
+    pressed = np.array(forces)
+    assert pressed.max() > 0.0
+    assert ((pressed[1:] + pressed[:-1]) / 2.0).max() <= 280.0  # 10 ms mean: ISO/TS 15066, hand, transient
+    assert pressed[-200:].mean() <= 140.0
     assert session.world.instances(v.OBSTACLE)
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from skiros_primitives.contact import ContactWatch, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
@@ -15,6 +16,7 @@ from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import (
     ArmPlanner,
     Held,
@@ -30,7 +32,7 @@ from skiros_py.ports.paths import Outline
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
-from skiros_py.world.vocabulary import GRIPPER, HAS_A
+from skiros_py.world.vocabulary import GRIPPER, HAS_A, MASS
 
 _SAME = 1e-6
 """Clock times that differ by less than this fraction of a period count as equal."""
@@ -85,6 +87,17 @@ _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
 _COURTESY = 120.0
 """Longest wait for passing robots [s]."""
+
+
+_GRAVITY = 9.81
+_HEAVY = 3.0
+"""Greatest mass of parts that are lifted without knowing their mass [kg]."""
+_BLOCK = 0.10
+"""Side length of the block that is assumed where a link has met something [m]."""
+_AHEAD = 0.10
+"""How far the middle of that block is ahead of the link's frame [m]."""
+_BACK = 0.15
+"""Time of its motion by which an arm moves back from a contact [s]."""
 
 
 UNPLANNED_SPEED = 0.3
@@ -144,6 +157,11 @@ class ArmPrimitive(Primitive[Any]):
     def gripper_spec(self) -> GripperSpec:
         """The description of the gripper on the arm."""
         return next(g for g in self.robot.of(GripperSpec) if g.arm == self.params.arm)
+
+    def weight(self, part: str) -> float:
+        """Returns the weight of a part with a margin [N]."""
+        mass = self.world.value(part, MASS)
+        return _GRAVITY * (1.5 * mass if isinstance(mass, float) and mass > 0.0 else _HEAVY)
 
     @property
     def is_planned(self) -> bool:
@@ -206,20 +224,32 @@ class ArmPrimitive(Primitive[Any]):
         )
         return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
 
-    def follow(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
+    def follow(
+        self, trajectory: Trajectory, *, expected: float = 0.0, landing: float | None = None
+    ) -> Execution[NoMotion | None]:
         """Sends a trajectory, one sample per cycle, until the arm is at rest; returns why it did not arrive.
 
         It follows the clock of the run: when that slows down because the run is paused, the arm brakes along its path.
+        Where it meets something, it yields at once and moves back a little.
+
+        Args:
+            trajectory: The motion.
+            expected: Force at the tip that is no contact, such as the weight of what is lifted [N].
+            landing: How far before its end a contact ends it as well, for motions that come near to things on purpose
+                [m]; None for free motions, where what is met becomes an obstacle.
         """
+        watch = ContactWatch.of(self.context, self.arm, expected=expected)
         playback = Playback(trajectory, self.context.board.period, self.context.now)
         while not playback.ended:
             self.arm.command(playback.target(self.context.now))
             yield
-        deadline = self.context.now + 0.5
+            if watch is not None and (touch := watch.felt()) is not None:
+                if landing is not None and self._left(trajectory) <= landing:
+                    yield from self._settle(self.arm.state.positions)
+                    return None
+                return (yield from self._yield_to(touch, trajectory, is_obstacle=landing is None))
         last = tuple(trajectory.positions[-1].tolist())
-        while not self.arm.state.still and self.context.now < deadline:
-            self.arm.command(ArmTarget(last, (0.0,) * len(last)))
-            yield
+        yield from self._settle(last)
         off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))
         if off > _ARRIVED:
             return NoMotion(
@@ -227,9 +257,44 @@ class ArmPrimitive(Primitive[Any]):
                     "{arm} stopped {off:.1f} deg short: something is in its way",
                     arm=self.params.arm,
                     off=math.degrees(off),
-                )
+                ),
+                met=True,
             )
         return None
+
+    def _left(self, trajectory: Trajectory) -> float:
+        """Returns how far the tip is from the end of a trajectory [m]."""
+        kinematics, spec = self.context.port(Kinematics, self.params.arm), self.arm.spec
+        here, there = (
+            kinematics.pose(spec.tip, dict(zip(spec.joints, positions, strict=True)))
+            for positions in (self.arm.state.positions, trajectory.positions[-1].tolist())
+        )
+        return here.distance(there)
+
+    def _settle(self, positions: tuple[float, ...]) -> Execution[None]:
+        """Waits until the arm is at rest."""
+        deadline = self.context.now + 0.5
+        while not self.arm.state.still and self.context.now < deadline:
+            self.arm.command(ArmTarget(positions, (0.0,) * len(positions)))
+            yield
+
+    def _yield_to(self, touch: Touch, trajectory: Trajectory, *, is_obstacle: bool) -> Execution[NoMotion]:
+        """Stops where the arm is, instead of pressing on, and moves back the way it came."""
+        here = self.arm.state.positions
+        yield from self._settle(here)
+        away = np.abs(trajectory.positions - np.asarray(here)).max(axis=1)
+        nearest = int(away.argmin())
+        back = max(0, nearest - round(_BACK / self.context.board.period))
+        for target in even(here, trajectory.positions[back], self.context.board.period).positions:
+            self.arm.command(ArmTarget(tuple(target.tolist()), (0.0,) * len(here)))
+            yield
+        reason = Message("{link} of {arm} met something", link=touch.link, arm=self.params.arm)
+        if is_obstacle:
+            x, y, z = np.add(touch.point, np.multiply(_AHEAD, touch.direction)).tolist()
+            where = self.base_pose @ Pose((x, y, z - _BLOCK / 2.0))
+            believe_obstacle(self.world, self.name, Pose(where.position), (_BLOCK, _BLOCK, _BLOCK), reason)
+        self.emit("contact", {"device": self.params.arm, "link": touch.link, "effort": round(touch.effort, 1)})
+        return NoMotion(reason, met=True)
 
     def go_straight(self, goal: Sequence[float]) -> Execution[NoMotion | None]:
         """Moves to joint angles from rest to rest, for arms without a planner.
@@ -248,12 +313,12 @@ class ArmPrimitive(Primitive[Any]):
         self.context.floor.stretch(self.params.arm, planned.ends)
         return None
 
-    def follow_from_here(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
+    def follow_from_here(self, trajectory: Trajectory, *, expected: float = 0.0) -> Execution[NoMotion | None]:
         """Follows the rest of a trajectory, from the sample nearest to the arm's current position."""
         away = np.abs(trajectory.positions - np.asarray(self.arm.state.positions)).max(axis=1)
         nearest = int(away.argmin())
         rest = Trajectory(trajectory.positions[nearest:], trajectory.velocities[nearest:])
-        return (yield from self.follow(rest))
+        return (yield from self.follow(rest, expected=expected, landing=0.0))
 
     def go(self, routes: Sequence[Route], *, speed: float = 1.0) -> Execution[NoMotion | None]:
         """Plans and follows all moves of the best route; returns the reason if there is none."""
@@ -294,14 +359,19 @@ class HandlingPrimitive(ArmPrimitive):
             found.append((PoseMove(high), down, up))
         return found
 
-    def come_down(self, planned: MotionPlan) -> Execution[NoMotion | None]:
-        """Follows the way down; where it does not arrive, it retreats and returns why."""
+    def come_down(self, planned: MotionPlan, *, landing: float = 0.0) -> Execution[NoMotion | None]:
+        """Follows the way down; where it does not arrive, it retreats and returns why.
+
+        Args:
+            planned: The way there, down and up.
+            landing: How far above its end a contact ends the way down as well [m].
+        """
         approach, down, up = planned.legs
         self.progress(1, Message("approaching"))
         refusal = yield from self.follow(approach)
         if refusal is None:
             self.retreat = up
-            refusal = yield from self.follow(down)
+            refusal = yield from self.follow(down, landing=landing)
         if refusal is not None:
             yield from self.recover()
         return refusal

@@ -12,8 +12,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
+from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.floor_obstacles import driving
-from skiros_primitives.lookout import Lookout, believe_obstacle, believe_seen
+from skiros_primitives.lookout import Lookout, believe_seen
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message, listed

@@ -74,7 +74,7 @@ class Grasp(HandlingPrimitive):
         tool = self.tool_pose()
         self.progress(3, Message("lifting"))
         self._lifting = True
-        refusal = yield from self.follow(up)
+        refusal = yield from self.follow(up, expected=self.weight(self.params.part), landing=0.0)
         if refusal is not None:
             yield from self.recover()
             return Failure(refusal.reason)
@@ -92,7 +92,7 @@ class Grasp(HandlingPrimitive):
         if self.retreat is None:
             return
         if self._lifting:
-            yield from self.follow_from_here(_reversed(self.retreat))
+            yield from self.follow_from_here(_reversed(self.retreat), expected=self.weight(self.params.part))
             self._lifting = False
         yield from self.open_wide(self.gripper)
         yield from self.follow_from_here(self.retreat)
@@ -104,7 +104,7 @@ class Grasp(HandlingPrimitive):
         with self.world.transaction(author=self.name, reason=Message("grasp failed: {felt}", felt=felt)) as tx:
             write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
-            yield from self.follow(_reversed(up))
+            yield from self.follow(_reversed(up), expected=self.weight(self.params.part), landing=0.0)
             self.retreat, self._lifting = up, False
         yield from self.open_wide(gripper)
         yield from self.recover()

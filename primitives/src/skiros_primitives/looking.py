@@ -31,6 +31,7 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, solid_of
 from skiros_py.world import vocabulary as v
+from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
 
 
@@ -118,12 +119,16 @@ class RegisterKit(LookingPrimitive):
     """Fits the kit's walls to the camera image; a bad fit gives a failure, not a pose."""
 
     name: ClassVar[str] = "register_kit"
+    _picture: tuple[DepthImage, Pose] | None = None
 
     @dataclass(frozen=True, slots=True)
     class Params(LookingParams):
         """Parameters."""
 
         kit: str = param(v.CONTAINER, "The kit.")
+        compartment: str | None = param(
+            v.CONTAINER, "A compartment that must be empty; left out: none.", kind=Kind.OPTIONAL
+        )
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the believed pose."""
@@ -137,6 +142,8 @@ class RegisterKit(LookingPrimitive):
             if isinstance(result, RegistrationResult) and result.pose is not None:
                 self._write(result.pose, result.cost)
                 moved = result.pose.distance(believed) * 1e3
+                if self.params.compartment and (content := (yield from self._content(self.params.compartment))):
+                    return content
                 return Success(
                     Message("{kit} is {moved:.0f} mm from where it was believed", kit=self.params.kit, moved=moved)
                 )
@@ -151,8 +158,28 @@ class RegisterKit(LookingPrimitive):
         picture = yield from self.look_down(*believed.position, aside=aside)
         if isinstance(picture, NoMotion):
             return picture
+        self._picture = picture
         request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, self.params.kit)
         return (yield from self.wait(registrar.register(request)))
+
+    def _content(self, compartment: str) -> Execution[Failure | None]:
+        """Looks at the same picture for something in a compartment; writes it, and returns that it is taken."""
+        region = inner_region(self.context, compartment)
+        if isinstance(region, str) or self._picture is None:
+            return None
+        detector = self.context.port(PartDetector, self.params.camera)
+        models = part_models(self.world)
+        request = DetectionRequest(*self._picture, region, models, self.seed(), self.params.camera)
+        look = yield from self.wait(detector.detect(request))
+        if not look.detections:
+            return None
+        seen = look.detections[0]
+        what = seen.type.partition(":")[2] if seen.type else _UNKNOWN_SHAPE
+        reason = Message("{compartment} is taken: {what} is seen there", compartment=compartment, what=what)
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            found = tx.add(seen.type or v.OBSTACLE, placement=Placement(v.IN, compartment))
+            write_pose(tx, found, seen.pose)
+        return Failure(reason)
 
     def _write(self, pose: Pose, cost: float) -> None:
         kit = self.params.kit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 
@@ -10,6 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, standing
 from skiros_py.devices.scanner import ScannerSpec, ScannerState
 from skiros_py.geometry import Array, Pose, Primitive
@@ -18,9 +18,6 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.paths import TALLEST, Layer, Path, floor_area, swept
 from skiros_py.skills.context import RunContext
-from skiros_py.world import vocabulary as v
-from skiros_py.world.element import Placement
-from skiros_py.world.poses import write_pose
 from skiros_py.world.world import World
 
 _FLOOR = 0.05
@@ -121,24 +118,6 @@ class Lookout:
             level = (near[:, 2] >= layer.bottom) & (near[:, 2] <= layer.top)
             inside |= level & shapely.contains_xy(way, near[:, :2])
         return int(inside.sum())
-
-
-def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, float, float], reason: str) -> str:
-    """Writes that something is in the way, so that later motions go around it; returns its id.
-
-    Args:
-        world: The world model.
-        author: Who found it.
-        pose: The middle of its lower side, in the map.
-        size: Length, width and height of the block that is assumed [m].
-        reason: How it was found.
-    """
-    box = json.dumps([{"kind": "box", "size": size, "at": (0.0, 0.0, size[2] / 2.0)}])
-    with world.transaction(author=author, reason=reason) as tx:
-        floor = next(iter(world.instances(v.FLOOR)), None) or world.instances(v.UNKNOWN_LOCATION)[0]
-        found = tx.add(v.OBSTACLE, properties={v.SOLID: box}, placement=Placement(v.ON, floor))
-        write_pose(tx, found, pose)
-    return found
 
 
 def believe_seen(world: World, author: str, points: Array) -> list[str]:

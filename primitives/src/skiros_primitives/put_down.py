@@ -22,6 +22,8 @@ from skiros_py.world.poses import write_pose
 
 _DROP = 0.004
 """Height above the floor at which the part is released [m]."""
+_LANDING = 0.012
+"""How far above this a part that has met something stands on the floor already [m]."""
 _OPEN = 0.016
 """How far the fingers open past the part's width [m]; more could touch the walls."""
 
@@ -74,7 +76,7 @@ class PutDown(HandlingPrimitive):
 
     def _release(self, planned: MotionPlan) -> Execution[Outcome]:
         gripper, width = self.gripper, self.world.value(self.params.part, v.GRASP_WIDTH)
-        refusal = yield from self.come_down(planned)
+        refusal = yield from self.come_down(planned, landing=_LANDING)
         if refusal is not None:
             return Failure(refusal.reason)
         self.progress(2, Message("releasing"))
@@ -97,5 +99,5 @@ class PutDown(HandlingPrimitive):
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""
         if self.retreat is not None:
-            yield from self.follow_from_here(self.retreat)
+            yield from self.follow_from_here(self.retreat, expected=self.weight(self.params.part))
             self.retreat = None

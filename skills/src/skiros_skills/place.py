@@ -50,7 +50,7 @@ DESCRIPTION = SkillDescription(
 PLACE = Skill(
     DESCRIPTION,
     Sequence.of(
-        Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit")),
+        Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit"), compartment=P("Compartment")),
         Do.of("put_down", arm=P("Arm"), gripper=P("Gripper"), part=P("Object"), compartment=P("Compartment")),
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),

@@ -120,9 +120,15 @@ class MotionPlan:
 
 @dataclass(frozen=True, slots=True)
 class NoMotion:
-    """No feasible motion was found; the reason is meant for a person ("pose 2 cannot be reached", ...)."""
+    """No feasible motion was found, or one was broken off.
+
+    Attributes:
+        reason: For a person ("pose 2 cannot be reached", ...).
+        met: True when the robot has touched something that it did not expect.
+    """
 
     reason: str
+    met: bool = False
 
 
 class ArmPlanner(Protocol):

@@ -1,0 +1,131 @@
+"""Contact that nothing expects: felt in what the joints exert, answered within one control cycle.
+
+The residual is that of De Luca and Haddadin (IROS 2006) without a filter: measured efforts less those that the motion,
+gravity and the load account for. A contact beyond joint k loads joints 1 to k, so the last loaded joint says where.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiros_py.devices.arm import Arm, ArmState
+from skiros_py.geometry import Array, Pose, rotation_matrix
+from skiros_py.ports.kinematics import Dynamics, JointMotion, Kinematics
+from skiros_py.skills.context import RunContext
+from skiros_py.world import vocabulary as v
+from skiros_py.world.element import Placement
+from skiros_py.world.poses import write_pose
+from skiros_py.world.world import World
+
+_TOLERANCE = 4.0
+"""Residual that still counts as friction and noise [N m]."""
+_TRACE = 1.0
+"""Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
+_WRIST = 3
+"""Joints at the end of the arm whose axes nearly meet: a contact beyond the first of them is one of the hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """A contact.
+
+    Attributes:
+        effort: Greatest residual of a joint [N m].
+        link: The link that is touched, as far as known.
+        point: Where about, in the frame of the base [m].
+        direction: Unit vector in which that link moved.
+    """
+
+    effort: float
+    link: str
+    point: tuple[float, float, float]
+    direction: tuple[float, float, float]
+
+
+def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, float, float], reason: str) -> str:
+    """Writes that something is in the way, so that later motions go around it; returns its id.
+
+    Args:
+        world: The world model.
+        author: Who found it.
+        pose: The middle of its lower side, in the map.
+        size: Length, width and height of the block that is assumed [m].
+        reason: How it was found.
+    """
+    box = json.dumps([{"kind": "box", "size": size, "at": (0.0, 0.0, size[2] / 2.0)}])
+    with world.transaction(author=author, reason=reason) as tx:
+        floor = next(iter(world.instances(v.FLOOR)), None) or world.instances(v.UNKNOWN_LOCATION)[0]
+        found = tx.add(v.OBSTACLE, properties={v.SOLID: box}, placement=Placement(v.ON, floor))
+        write_pose(tx, found, pose)
+    return found
+
+
+class ContactWatch:
+    """Watches one motion of an arm, from rest on; to be asked once per cycle.
+
+    The load is weighed at the start: it is the force at the tip that explains best what the joints exert there.
+
+    Args:
+        context: The run.
+        arm: The arm.
+        expected: Force at the tip that may come and go on the way without being a contact, such as the weight of a part
+            that is lifted [N].
+    """
+
+    def __init__(self, context: RunContext, arm: Arm, *, expected: float = 0.0) -> None:
+        self._kinematics = context.port(Kinematics, arm.id)
+        self._dynamics = context.port(Dynamics, arm.id)
+        self._arm = arm
+        self._period = context.board.period
+        self._expected = expected
+        self._before = np.asarray(arm.state.velocities)
+        self.weight, self._offset = 0.0, np.zeros(len(self._before))
+        if not expected:  # otherwise what is taken or put down still presses on its support
+            left, lever = self._left(arm.state, self._offset), self._lever(arm.state)
+            self.weight = max(0.0, float(lever @ left) / max(1e-9, float(lever @ lever)))
+            self._offset = left - self.weight * lever
+
+    @classmethod
+    def of(cls, context: RunContext, arm: Arm, *, expected: float = 0.0) -> ContactWatch | None:
+        """Returns a watch, or None for an arm that measures no efforts or whose dynamics are unknown."""
+        known = context.ports.find(Dynamics, arm.id) is not None
+        return cls(context, arm, expected=expected) if known and arm.state.efforts else None
+
+    def felt(self) -> Touch | None:
+        """Returns the contact in this cycle, or None."""
+        state = self._arm.state
+        velocities = np.asarray(state.velocities)
+        left = self._left(state, (velocities - self._before) / self._period) - self._offset
+        self._before = velocities
+        lever = self._lever(state)
+        over = np.abs(left - self.weight * lever) - self._expected * np.abs(lever)
+        return self._touch(state, left, float(over.max())) if over.max() > _TOLERANCE else None
+
+    def _left(self, state: ArmState, accelerations: Array) -> Array:
+        joints = self._arm.spec.joints
+        motion = JointMotion(joints, np.asarray(state.positions), np.asarray(state.velocities), accelerations)
+        return np.asarray(state.efforts) - self._dynamics.efforts(motion)
+
+    def _lever(self, state: ArmState) -> Array:
+        """Returns what the joints exert per weight at the tip [m]."""
+        spec = self._arm.spec
+        positions = dict(zip(spec.joints, state.positions, strict=True))
+        up = rotation_matrix(self._kinematics.pose(spec.tip, positions).orientation)[2]
+        return np.asarray(up @ self._kinematics.jacobian(spec.tip, positions, spec.joints)[:3])
+
+    def _touch(self, state: ArmState, left: Array, effort: float) -> Touch:
+        spec = self._arm.spec
+        positions = dict(zip(spec.joints, state.positions, strict=True))
+        loaded = int(np.flatnonzero(np.abs(left) > _TRACE).max(initial=0))
+        link, jacobian = spec.tip, self._kinematics.jacobian(spec.tip, positions, spec.joints)
+        if loaded < len(spec.joints) - _WRIST:
+            while jacobian[:, loaded + 1 :].any() and link in self._kinematics.parents:
+                link = self._kinematics.parents[link]
+                jacobian = self._kinematics.jacobian(link, positions, spec.joints)
+        pose = self._kinematics.pose(link, positions)
+        moved = rotation_matrix(pose.orientation) @ jacobian[:3] @ np.asarray(state.velocities)
+        ahead = moved / max(1e-9, float(np.linalg.norm(moved)))
+        return Touch(effort, link, pose.position, (float(ahead[0]), float(ahead[1]), float(ahead[2])))
