@@ -247,7 +247,8 @@ class ArmPrimitive(Primitive[Any]):
                 if landing is not None and self._left(trajectory) <= landing:
                     yield from self._settle(self.arm.state.positions)
                     return None
-                return (yield from self._yield_to(touch, trajectory, is_obstacle=landing is None))
+                is_obstacle = landing is None and not watch.touches_at_start
+                return (yield from self._yield_to(touch, trajectory, is_obstacle=is_obstacle))
         last = tuple(trajectory.positions[-1].tolist())
         yield from self._settle(last)
         off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))

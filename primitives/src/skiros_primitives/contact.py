@@ -66,7 +66,8 @@ def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, f
 class ContactWatch:
     """Watches one motion of an arm, from rest on; to be asked once per cycle.
 
-    The load is weighed at the start: it is the force at the tip that explains best what the joints exert there.
+    The load is weighed at the start: it is the force at the tip that explains best what the joints exert there. A
+    contact that is there already may become weaker, but not stronger.
 
     Args:
         context: The run.
@@ -82,11 +83,16 @@ class ContactWatch:
         self._period = context.board.period
         self._expected = expected
         self._before = np.asarray(arm.state.velocities)
-        self.weight, self._offset = 0.0, np.zeros(len(self._before))
-        if not expected:  # otherwise what is taken or put down still presses on its support
-            left, lever = self._left(arm.state, self._offset), self._lever(arm.state)
-            self.weight = max(0.0, float(lever @ left) / max(1e-9, float(lever @ lever)))
-            self._offset = left - self.weight * lever
+        left, lever = self._left(arm.state, np.zeros(len(self._before))), self._lever(arm.state)
+        # What is being taken or put down still presses on its support: then the force at the tip is no weight.
+        weighed = not expected
+        self.weight = max(0.0, float(lever @ left) / max(1e-9, float(lever @ lever))) if weighed else 0.0
+        self._at_start = np.abs(left - self.weight * lever)
+
+    @property
+    def touches_at_start(self) -> bool:
+        """True when the arm touches something before it moves."""
+        return bool(self._at_start.max() > _TOLERANCE)
 
     @classmethod
     def of(cls, context: RunContext, arm: Arm, *, expected: float = 0.0) -> ContactWatch | None:
@@ -98,10 +104,10 @@ class ContactWatch:
         """Returns the contact in this cycle, or None."""
         state = self._arm.state
         velocities = np.asarray(state.velocities)
-        left = self._left(state, (velocities - self._before) / self._period) - self._offset
+        left = self._left(state, (velocities - self._before) / self._period)
         self._before = velocities
         lever = self._lever(state)
-        over = np.abs(left - self.weight * lever) - self._expected * np.abs(lever)
+        over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
         return self._touch(state, left, float(over.max())) if over.max() > _TOLERANCE else None
 
     def _left(self, state: ArmState, accelerations: Array) -> Array:

@@ -111,6 +111,8 @@ class LookingPrimitive(ArmPrimitive):
         return tool.inverse() @ optical
 
 
+_CLEAR = 0.9
+"""Minimum fraction of a compartment that must be seen to call it empty."""
 _ASIDE = (0.0, 0.06, 0.09)
 """How far the tool is retracted for each look [m]: a held part may hide the kit."""
 
@@ -142,8 +144,12 @@ class RegisterKit(LookingPrimitive):
             if isinstance(result, RegistrationResult) and result.pose is not None:
                 self._write(result.pose, result.cost)
                 moved = result.pose.distance(believed) * 1e3
-                if self.params.compartment and (content := (yield from self._content(self.params.compartment))):
-                    return content
+                if self.params.compartment is not None and aside != _ASIDE[-1]:
+                    content = yield from self._content(self.params.compartment)
+                    if content is None:
+                        continue  # what is held hides it
+                    if content:
+                        return Failure(content)
                 return Success(
                     Message("{kit} is {moved:.0f} mm from where it was believed", kit=self.params.kit, moved=moved)
                 )
@@ -162,24 +168,29 @@ class RegisterKit(LookingPrimitive):
         request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, self.params.kit)
         return (yield from self.wait(registrar.register(request)))
 
-    def _content(self, compartment: str) -> Execution[Failure | None]:
-        """Looks at the same picture for something in a compartment; writes it, and returns that it is taken."""
+    def _content(self, compartment: str) -> Execution[str | None]:
+        """Looks at the same picture for something in a compartment.
+
+        Returns:
+            Why it is not empty, which is written; an empty text if it is; None where it cannot be seen.
+        """
         region = inner_region(self.context, compartment)
-        if isinstance(region, str) or self._picture is None:
-            return None
+        assert self._picture is not None
+        if isinstance(region, str):
+            return ""
         detector = self.context.port(PartDetector, self.params.camera)
         models = part_models(self.world)
         request = DetectionRequest(*self._picture, region, models, self.seed(), self.params.camera)
         look = yield from self.wait(detector.detect(request))
         if not look.detections:
-            return None
+            return "" if look.visible >= _CLEAR else None
         seen = look.detections[0]
         what = seen.type.partition(":")[2] if seen.type else _UNKNOWN_SHAPE
         reason = Message("{compartment} is taken: {what} is seen there", compartment=compartment, what=what)
         with self.world.transaction(author=self.name, reason=reason) as tx:
             found = tx.add(seen.type or v.OBSTACLE, placement=Placement(v.IN, compartment))
             write_pose(tx, found, seen.pose)
-        return Failure(reason)
+        return reason
 
     def _write(self, pose: Pose, cost: float) -> None:
         kit = self.params.kit
