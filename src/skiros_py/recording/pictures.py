@@ -191,27 +191,28 @@ class RunPictures:
         """
         self._leave()
         try:
-            pictures = [_captioned(shot) for shot in self._shots]
+            pictures = [captioned(s.picture.result(), f"{s.time:.1f} s  {s.caption}") for s in self._shots]
             if self._path.suffix == _SHEET or not pictures:
-                _contact_sheet(pictures).save(self._path)
+                contact_sheet(pictures).save(self._path)
             else:
                 pictures[0].save(self._path, save_all=True, append_images=pictures[1:], duration=100, loop=0)
         except (OSError, SkirosError) as error:
             raise UsageError(f"--record {self._path} cannot be written: {error}") from error
 
 
-def _captioned(shot: _Shot) -> Image:
+def captioned(picture: NDArray[Any], text: str) -> Image:
+    """Returns a picture, RGB, with a line of text at its top."""
     from PIL import Image, ImageDraw
 
-    image = Image.fromarray(shot.picture.result())
-    text = f"{shot.time:.1f} s  {shot.caption}"
+    image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
     draw.rectangle((0, 0, 8 + 7 * len(text), 16), fill=(0, 0, 0))
     draw.text((4, 2), text, fill=(255, 255, 255))
     return image
 
 
-def _contact_sheet(pictures: list[Image]) -> Image:
+def contact_sheet(pictures: list[Image]) -> Image:
+    """Returns pictures of the size of this module in rows of four."""
     from PIL import Image
 
     rows = max(1, math.ceil(len(pictures) / _COLUMNS))

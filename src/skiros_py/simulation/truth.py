@@ -35,11 +35,13 @@ class RobotContact:
         link: Name of the robot's link.
         body: Id of the body or of the other robot, or "floor".
         depth: How deep the two are in each other [m]; 0 when they only touch.
+        force: Normal force between the two, over all points [N].
     """
 
     link: str
     body: str
     depth: float
+    force: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -174,7 +176,9 @@ class Truth:
                 bolted = body is not None and body.carrier is not None
                 if point.other == robot.spec.id or (bolted and point.link in _CARRIERS):
                     continue
-                _keep_deeper(found, RobotContact(point.link, point.other, max(0.0, point.depth)))
+                key = point.link, point.other
+                before = found.get(key, RobotContact(*key, 0.0))
+                found[key] = RobotContact(*key, max(before.depth, point.depth), before.force + point.force)
         return tuple(found.values())
 
     def pressure(self, body: str) -> float:
