@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, wrap_angle
-from skiros_py.perception.classify import best_fits, misfits, polish
+from skiros_py.perception.classify import Fit, best_fits, misfits, polish
 from skiros_py.perception.elevation import (
     CELL,
     HIGHEST,
@@ -133,7 +134,7 @@ def detect(request: DetectionRequest) -> DetectionResult:
 
     Returns:
         What was seen. The cost of a detection is the mean misfit beyond the doubt about where edges are, about 1 mm
-        for the right type; its margin is the lead over the second type where edges do count.
+        for the right type; its margin is the lead over the second type, with the misfit where edges do count.
     """
     half = request.region.half_extents
     view = View.of(request.image, request.camera_pose, request.region.pose)
@@ -177,19 +178,28 @@ def _explanations(scene: _Scene, cluster: Cells) -> list[_Thing]:
 
 def _explanation(scene: _Scene, cluster: Cells) -> _Thing:
     fits = best_fits(scene.elevation, cluster, scene.request.models)
-    if not fits:
-        return _unknown(scene, cluster, math.inf, math.inf)
-    best, margin = fits[0], fits[1].cost - fits[0].cost if len(fits) > 1 else math.inf
-    template = _template(scene, best.type)
-    pose = np.array([best.x, best.y, best.yaw], dtype=np.float32)
-    if best.cost <= _WORST_FIT:
-        pose = _sharpened(scene, template, pose)
-    cost = _mean_misfit(scene.elevation, cluster, template, pose)
+    if not fits or fits[0].cost > _WORST_FIT:
+        return _unknown(scene, cluster, fits[0].cost if fits else math.inf, 0.0)
+    # Two types may fit alike where edges count; what they differ in beyond the edges decides then.
+    near = [fit for fit in fits if fit.cost <= fits[0].cost + _WORST_COST + _LEAST_MARGIN]
+    ranked = sorted(
+        ((fit.cost + (exact := _exact(scene, cluster, fit)).cost, exact) for fit in near), key=itemgetter(0)
+    )
+    best = ranked[0][1]
+    rivals = [total for total, _ in ranked[1:]] + [fit.cost for fit in fits[len(near) :]]
+    margin = min(rivals, default=math.inf) - ranked[0][0]
     # A bad fit stays unknown: the next look, or a person, may know better; a wrong type would be believed.
-    fits_well = best.cost <= _WORST_FIT and cost <= _WORST_COST
-    if not (fits_well and best.seen >= _LEAST_SEEN and margin >= _LEAST_MARGIN):
-        return _unknown(scene, cluster, cost, margin)
-    return _Thing(cluster, best.type, (float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), cost, margin)
+    if best.cost > _WORST_COST or best.seen < _LEAST_SEEN or margin < _LEAST_MARGIN:
+        return _unknown(scene, cluster, best.cost, margin)
+    return _Thing(cluster, best.type, (best.x, best.y, wrap_angle(best.yaw)), best.cost, margin)
+
+
+def _exact(scene: _Scene, cluster: Cells, fit: Fit) -> Fit:
+    """Returns a fit at its exact pose, with what is misfit there beyond the doubt about edges."""
+    template = _template(scene, fit.type)
+    pose = _sharpened(scene, template, np.array([fit.x, fit.y, fit.yaw], dtype=np.float32))
+    x, y, yaw = (float(value) for value in pose)
+    return replace(fit, x=x, y=y, yaw=yaw, cost=_mean_misfit(scene.elevation, cluster, template, pose))
 
 
 def _unknown(scene: _Scene, cluster: Cells, cost: float, margin: float) -> _Thing:

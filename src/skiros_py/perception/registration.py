@@ -22,7 +22,7 @@ from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 
 _STEP = 0.003
 _SHIFTS = (-0.022, 0.0, 0.022)
-_TURNS = (-math.radians(3.5), 0.0, math.radians(3.5))
+_TURNS = tuple(math.radians(turn) for turn in (-10.5, -7.0, -3.5, 0.0, 3.5, 7.0, 10.5))
 _KEPT = 3
 _RANKED_POINTS = 300
 _STAGES = (0.020, 0.008, 0.005)
@@ -39,7 +39,7 @@ def wall_pattern(template: HeightMap, lowest: float) -> Array:
 def align(pattern: Array, points: Array) -> Floats:
     """Finds the pose of a pattern that brings it onto points.
 
-    Several starts within some 3 cm and 5 degrees are ranked by distance; ICP takes the best ones further. The
+    Several starts within some 3 cm and 10 degrees are ranked by distance; ICP takes the best ones further. The
     pattern is matched to the points and not the other way round, so what stands between the walls attracts nothing.
 
     Args:
@@ -90,7 +90,8 @@ def _matrix(x: float, y: float, yaw: float) -> Array:
     return np.array([[cos, -sin, 0.0, x], [sin, cos, 0.0, y], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 
-_REACH = 0.035
+_REACH = 0.070
+_INNER = 0.035
 _RAISED = 0.45
 _HEADROOM = 0.006
 _FEWEST_POINTS = 200
@@ -137,7 +138,7 @@ def _level(points: Array, template: HeightMap) -> float:
     """How much higher than guessed the body's commonest level (the floors of its compartments) was seen [m]."""
     own = template.heights[template.heights > 0.0]
     common = _commonest(own.astype(np.float64), float(own.mean()), template.top)
-    inner = points[_footprint(points, template, -_REACH), 2]
+    inner = points[_footprint(points, template, -_INNER), 2]
     return _commonest(inner, common, _LEVEL_SEARCH) - common
 
 

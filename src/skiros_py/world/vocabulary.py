@@ -96,7 +96,7 @@ scene states them differently. The piece base_1 of robot_1 becomes base_2 of rob
 COMPUTED: Final = RelationName("sk:computed")
 """Computed on demand by a reasoner, never stored."""
 FITS_IN: Final = RelationName("sk:fitsIn")
-"""The thing's outline, in its current orientation, fits into the container with 0.008 m to spare in both directions,
+"""The thing's outline, in its current orientation, fits into the container with 0.005 m to spare in both directions,
 lengthwise or across."""
 GRASPABLE_BY: Final = RelationName("sk:graspableBy")
 """The thing's sk:graspWidth is less than the gripper's sk:maxGap."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
-from skiros_py.geometry import Pose, Solid
+from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.perception.detector import detect
-from skiros_py.ports.perception import Detection, DetectionResult, Region
+from skiros_py.ports.perception import Detection, DetectionResult, PartModel, Region
 
 if TYPE_CHECKING:
     from conftest import Studio
@@ -50,6 +51,24 @@ def test_a_look_from_straight_above_gives_type_position_and_heading(studio: Stud
     assert np.percentile(places, 95) <= 0.004
     assert np.median(headings) <= math.radians(1.0)
     assert max(headings) <= math.radians(5.0)
+
+
+def test_two_types_of_nearly_the_same_outline_are_told_apart_by_their_heights(studio: Studio) -> None:
+    post = Solid(
+        (Primitive("cylinder", (0.0261, 0.0651), Pose((0.0, 0.0, 0.03255))),)
+    )  # as the alternator, without pulley
+    models = (*(PartModel(name, solid) for name, solid in studio.parts.items()), PartModel("Post", post))
+    for seed in range(8):
+        rng, height = np.random.default_rng(seed), TABLES[seed % 3]
+        solid, name = ((post, "Post"), (studio.parts["Alternator"], "Alternator"))[seed % 2]
+        x, y = rng.uniform(-0.05, 0.05, 2)
+        bodies = [studio.table(height), (solid, Pose.of(x, y, height))]
+        request = studio.look(bodies, studio.over(0.0, 0.0, height + 0.46), region(height), rng, seed=seed)
+
+        found = nearest(detect(replace(request, models=models)), x, y)
+
+        assert found is not None
+        assert (seed, found.type) == (seed, name)
 
 
 def test_a_first_look_from_the_side_never_gives_a_wrong_type(studio: Studio) -> None:

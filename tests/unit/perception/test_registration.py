@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def misplaced(pose: Pose, rng: np.random.Generator) -> Pose:
     bearing, distance = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, 0.03)
     x, y, z = pose.position
-    turn = math.radians(rng.uniform(-5.0, 5.0))
+    turn = math.radians(rng.uniform(-10.0, 10.0))
     away = (distance * math.cos(bearing), distance * math.sin(bearing))
     return Pose.of(x + away[0], y + away[1], z + rng.uniform(-0.01, 0.01), yaw=pose.yaw + turn)
 

@@ -17,8 +17,8 @@ from skiros_py.world.reasoners.registry import Answer, Proposal, Reasoner
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, FITS_IN, GRASP_WIDTH, GRASPABLE_BY, IN, MAX_GAP, SOLID
 
-CLEARANCE = 0.008
-"""A thing fits when it leaves this much room both ways: fingers and poses are not more exact [m]."""
+CLEARANCE = 0.005
+"""A thing fits when it leaves this much room both ways, half of it on each side [m]."""
 _SPREAD = 0.1
 """Standard deviation of measured lengths, as a part of the length: cameras see some sides from afar or not at all."""
 
