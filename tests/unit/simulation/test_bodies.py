@@ -8,7 +8,8 @@ import pytest
 
 from skiros_py.devices.mobile_base import BaseTwist
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation import spawn
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
@@ -40,6 +41,25 @@ def test_parts_with_a_pose_rest_exactly_there(make_cell, kitting):
 
     assert pose.distance(wanted) < 2e-4
     assert pose.yaw == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_body_of_many_primitives_carries_what_lies_on_any_of_them(make_cell, kitting):
+    tiles = [Primitive("box", (0.05, 0.05, 0.02), Pose((0.05 * (n - 19.5), 0.0, 0.01))) for n in range(40)]
+    plank = BodySpec("plank", "test:Plank", Solid(tuple(tiles)), pose=Pose((1.5, 1.5, 0.5)))
+    ends = [BodySpec(f"cube_{n}", "test:Cube", Solid.box(0.03, 0.03, 0.03), 0.2, Pose((x, 1.5, 0.52)))
+            for n, x in enumerate((0.525, 2.475))]  # fmt: skip
+    cell = make_cell(kitting.cell_spec(plank, *ends))
+    for _ in range(200):
+        cell.exchange({})
+    heights = [Truth(cell).pose(cube.id).position[2] for cube in ends]
+    touched = {contact.other for cube in ends for contact in cell.scene.engine.contacts(cube.id)}
+    cell.move_body("plank", Pose((1.5, 1.5, 1.0)))
+    ray = cell.scene.engine.cast_rays(np.array([[2.475, 1.5, 1.5]]), np.array([[2.475, 1.5, 0.6]]))
+
+    assert heights == pytest.approx([0.52] * 2, abs=1e-3)
+    assert touched == {"plank"}
+    assert ray[0] is not None
+    assert ray[0].body == "plank"
 
 
 def test_a_place_without_room_is_refused_by_name(make_cell, kitting):

@@ -174,13 +174,44 @@ def build_solid(
     Returns:
         PyBullet's id of the body.
     """
-    shapes = _shapes(client, solid.primitives)
-    collision = client.createCollisionShapeArray(**_frames(solid.primitives, centre, "collision"), **shapes)
-    frames = _frames(solid.primitives, centre, "visual")
-    visual = client.createVisualShapeArray(**frames, **shapes, rgbaColors=[colour] * len(solid.primitives))
-    at = pose @ Pose(centre)
-    index: int = client.createMultiBody(mass, collision if collides else -1, visual, at.position, at.orientation)
+    pieces = [solid.primitives[n : n + _MOST] for n in range(0, len(solid.primitives), _MOST)]
+    (collision, visual), *more = [_shape(client, piece, centre, colour, collides=collides) for piece in pieces]
+    at, links = pose @ Pose(centre), [_UNMOVED] * len(more)
+    index: int = client.createMultiBody(
+        mass,
+        collision,
+        visual,
+        at.position,
+        at.orientation,
+        linkMasses=[0.0] * len(more),
+        linkCollisionShapeIndices=[collision for collision, _ in more],
+        linkVisualShapeIndices=[visual for _, visual in more],
+        linkPositions=[position for position, _ in links],
+        linkOrientations=[orientation for _, orientation in links],
+        linkInertialFramePositions=[position for position, _ in links],
+        linkInertialFrameOrientations=[orientation for _, orientation in links],
+        linkParentIndices=[0] * len(more),
+        linkJointTypes=[client.JOINT_FIXED] * len(more),
+        linkJointAxis=[position for position, _ in links],
+    )
     return index
+
+
+_MOST = 16
+"""PyBullet takes so many primitives for one link, and ends the process when it gets more."""
+_UNMOVED: tuple[Vector, tuple[float, float, float, float]] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def _shape(
+    client: Client, blocks: Sequence[Primitive], centre: Vector, colour: Colour, *, collides: bool
+) -> tuple[int, int]:
+    """Makes the shapes of one link, to collide with and to be seen; -1 for none."""
+    shapes = _shapes(client, blocks)
+    collision = client.createCollisionShapeArray(**_frames(blocks, centre, "collision"), **shapes) if collides else -1
+    seen = client.createVisualShapeArray(
+        **_frames(blocks, centre, "visual"), **shapes, rgbaColors=[colour] * len(blocks)
+    )
+    return collision, seen
 
 
 def centre_of_mass(solid: Solid) -> Vector:

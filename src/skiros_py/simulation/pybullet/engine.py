@@ -109,7 +109,8 @@ class PyBulletEngine:
         centre = centre_of_mass(solid) if mass > 0.0 else (0.0, 0.0, 0.0)
         index = build_solid(self.client, solid, pose, mass=mass, centre=centre, colour=colour)
         if options := surface_options(surface):
-            self.client.changeDynamics(index, -1, **options)
+            for link in range(-1, self.client.getNumJoints(index)):
+                self.client.changeDynamics(index, link, **options)
         self._bodies[name] = Body(index, solid, mass, centre, colour)
 
     def remove_body(self, name: str) -> None:
