@@ -48,6 +48,49 @@ def test_a_kit_is_located_to_a_millimetre_whatever_it_contains(studio: Studio, a
         assert abs(error.yaw) <= math.radians(0.3)
 
 
+def scaled(solid: Solid, by: float, wall: float = 0.006) -> Solid:
+    """A kit of another size, and with walls of another thickness."""
+    blocks = []
+    for b in solid.primitives:
+        x, y = (wall if size == 0.006 else by * size for size in b.size[:2])
+        at = (by * b.pose.position[0], by * b.pose.position[1], b.pose.position[2])
+        blocks.append(type(b)(b.kind, (x, y, b.size[2]), Pose(at)))
+    return Solid(tuple(blocks))
+
+
+def test_a_kit_that_is_twelve_centimetres_off_is_found(studio: Studio) -> None:
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        kit = Pose.of(0.3, 0.1, 0.5, yaw=rng.uniform(-3.0, 3.0))
+        bearing = rng.uniform(-math.pi, math.pi)
+        guess = Pose((0.12 * math.cos(bearing), 0.12 * math.sin(bearing), 0.0)) @ kit
+        bodies = [studio.table(0.5, 0.3, 0.1), (studio.kit, kit), *filled(studio, kit, rng, seed % 3)]
+        camera = studio.over(*guess.position[:2], 0.5 + 0.46, rng.uniform(-3.0, 3.0))
+
+        result = register(RegistrationRequest(studio.shoot(bodies, camera, rng), camera, studio.kit, guess, seed))
+
+        assert result.pose is not None, (seed, result.reason)
+        error = kit.inverse() @ result.pose
+        assert math.hypot(*error.position[:2]) <= 0.004
+        assert abs(error.yaw) <= math.radians(0.5)
+
+
+def test_a_kit_with_walls_of_three_millimetres_is_judged_by_them(studio: Studio) -> None:
+    thin, small = scaled(studio.kit, 1.0, 0.003), scaled(studio.kit, 0.85, 0.003)
+    for seed in range(4):
+        rng, kit = np.random.default_rng(seed), Pose.of(0.0, 0.0, 0.5, yaw=0.4 * seed)
+        camera, guess = studio.over(0.02, 0.0, 0.94), misplaced(kit, rng)
+        image = studio.shoot([studio.table(0.5), (thin, kit)], camera, rng)
+
+        there = register(RegistrationRequest(image, camera, thin, guess))
+        other = register(RegistrationRequest(image, camera, small, guess))
+
+        assert there.pose is not None, there.reason
+        assert there.pose.distance(kit) <= 0.003
+        assert there.cost <= 0.005
+        assert other.pose is None
+
+
 def test_no_pose_is_found_without_a_kit(studio: Studio) -> None:
     camera, rng = studio.over(0.0, 0.0, 0.94), np.random.default_rng(20)
     parts = [studio.part(n, x, y, 0.5, a) for n, x, y, a in studio.scatter(rng, 4)]
@@ -62,16 +105,7 @@ def test_no_pose_is_found_without_a_kit(studio: Studio) -> None:
 
 def test_a_kit_of_another_size_is_refused(studio: Studio) -> None:
     camera, kit = studio.over(0.0, 0.0, 0.94), Pose.of(0.0, 0.0, 0.5)
-    small = Solid(
-        tuple(
-            type(b)(
-                b.kind,
-                (b.size[0] * 0.85, b.size[1] * 0.85, b.size[2]),
-                Pose.of(b.pose.position[0] * 0.85, b.pose.position[1] * 0.85, b.pose.position[2]),
-            )
-            for b in studio.kit.primitives
-        )
-    )
+    small = scaled(studio.kit, 0.85)
     image = studio.shoot([studio.table(0.5), (small, kit)], camera, np.random.default_rng(21))
 
     result = register(RegistrationRequest(image, camera, studio.kit, kit))
