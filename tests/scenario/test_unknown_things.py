@@ -43,6 +43,23 @@ def test_a_thing_in_the_way_is_seen_and_driven_around(
     assert all(isinstance(pose, Pose) and math.dist(pose.position[:2], (x, y)) < 0.5 for pose in seen)
 
 
+def test_a_thing_that_stands_beside_a_part_is_seen_by_the_camera_and_not_touched(
+    open_session: Callable[..., Session],
+) -> None:
+    session = open_session("kitting_carried", seed=1)
+    x, y, z = Truth(session.simulation).pose("starter_1").position
+    post = BodySpec("post", "test:Post", Solid.box(0.05, 0.05, 0.3), pose=Pose((x + 0.11, y + 0.05, z)), mass=0.0)
+    session.simulation.add_body(post)
+    forces = felt(session, "post")
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+
+    seen = [session.world.value(obstacle, v.POSE) for obstacle in session.world.instances(v.OBSTACLE)]
+    assert max(forces) == 0.0
+    assert any(isinstance(pose, Pose) and math.dist(pose.position[:2], (x + 0.11, y + 0.05)) < 0.05 for pose in seen)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
 def test_a_base_that_meets_what_it_cannot_see_moves_back_and_says_so(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting", seed=1)
     assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached

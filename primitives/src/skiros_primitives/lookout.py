@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -69,7 +70,7 @@ class Lookout:
     ) -> None:
         self._context = context
         self._robot = robot
-        self._blocks = [(one.pose @ block.pose, block) for one in known for block in one.solid.primitives]
+        self._known = known
         poses = [pose for _, pose in path.poses(start)]
         self._ways = [(layer, shapely.union_all(swept(layer.outline, poses))) for layer in shape]
         for _, way in self._ways:
@@ -87,7 +88,8 @@ class Lookout:
             self._scans[spec.id] = scan.number
             scanner = self._context.frames.at(self._context.board.snapshot).located(spec.id)
             points = np.reshape(scan.points, (-1, 3))
-            points = self._unexplained(scanner.apply(points[np.hypot(*points[:, :2].T) < _NEAR]))
+            points = scanner.apply(points[np.hypot(*points[:, :2].T) < _NEAR])
+            points = unexplained(points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)], self._known)
             points = points[~shapely.contains_xy(self._others(), points[:, :2])]
             self._seen = [*self._seen[1 - _SCANS :], points]
             self.strange = np.vstack(self._seen)
@@ -97,12 +99,6 @@ class Lookout:
 
     def _scan(self, spec: ScannerSpec) -> ScannerState:
         return self._context.board.snapshot.state(spec.id, ScannerState)
-
-    def _unexplained(self, points: Array) -> Array:
-        points = points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)]
-        for pose, block in self._blocks:
-            points = points[_distances(points, pose, block) > _EXPLAINED]
-        return points
 
     def _others(self) -> BaseGeometry:
         """Returns the floor around the other robots and below their arms, wherever they are now."""
@@ -120,41 +116,77 @@ class Lookout:
         return int(inside.sum())
 
 
-def believe_seen(world: World, author: str, points: Array) -> list[str]:
+def unexplained(points: Array, known: Sequence[Obstacle], *, on_top: float = _ON_TOP) -> Array:
+    """Returns those of some points in the map that belong to nothing believed, shape (n, 3).
+
+    Args:
+        points: In the map [m], shape (m, 3).
+        known: What is believed to stand around.
+        on_top: Height of what may stand on it [m].
+    """
+    for one in known:
+        for block in one.solid.primitives:
+            points = points[_distances(points, one.pose @ block.pose, block, on_top) > _EXPLAINED]
+    return points
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """How exactly a sensor shows things.
+
+    Attributes:
+        reason: How things were found.
+        beside: Points closer than this to each other belong to one thing [m].
+        grown: By how much a thing is taken to be larger than what was seen of it [m].
+        below, above: How far it may reach below and above that [m].
+    """
+
+    reason: str
+    beside: float = _BESIDE
+    grown: float = _GROWN
+    below: float = _BELOW
+    above: float = _BELOW
+
+
+_SCANNER = Sight(Message("seen by a scanner"))
+
+
+def believe_seen(world: World, author: str, points: Array, sight: Sight = _SCANNER) -> list[str]:
     """Writes the things that points show, each as a block around them; returns their ids.
 
     Args:
         world: The world model.
         author: Who saw them.
         points: In the map [m], shape (n, 3).
+        sight: What saw them.
     """
     found = []
-    for area, low, high in _things(points):
+    for area, low, high in _things(points, sight):
         (x0, y0), (x1, y1), (x2, y2), *_ = shapely.get_coordinates(area).tolist()
         middle = area.centroid
         length, width = math.hypot(x1 - x0, y1 - y0), math.hypot(x2 - x1, y2 - y1)
         pose = Pose.of(middle.x, middle.y, low, yaw=math.atan2(y1 - y0, x1 - x0))
-        found.append(believe_obstacle(world, author, pose, (length, width, high - low), Message("seen by a scanner")))
+        found.append(believe_obstacle(world, author, pose, (length, width, high - low), sight.reason))
     return found
 
 
-def _things(points: Array) -> Iterator[tuple[BaseGeometry, float, float]]:
+def _things(points: Array, sight: Sight) -> Iterator[tuple[BaseGeometry, float, float]]:
     """Yields a rectangle around each thing, and the heights between which it was seen [m]."""
-    for part in shapely.get_parts(shapely.MultiPoint(points[:, :2]).buffer(_BESIDE / 2.0)):
+    for part in shapely.get_parts(shapely.MultiPoint(points[:, :2]).buffer(sight.beside / 2.0)):
         mine = shapely.contains_xy(part, points[:, :2])
         if mine.any():
-            around = shapely.MultiPoint(points[mine, :2]).buffer(_GROWN).minimum_rotated_rectangle
+            around = shapely.MultiPoint(points[mine, :2]).buffer(sight.grown).minimum_rotated_rectangle
             low, high = float(points[mine, 2].min()), float(points[mine, 2].max())
-            yield around, 0.0 if low < 3.0 * _BELOW else low - _BELOW, high + _BELOW
+            yield around, 0.0 if low < 3.0 * _BELOW else low - sight.below, high + sight.above
 
 
-def _distances(points: Array, pose: Pose, block: Primitive) -> Array:
+def _distances(points: Array, pose: Pose, block: Primitive, on_top: float) -> Array:
     """Returns the distances of points from a block and what may stand on it, shape (n,).
 
     A cylinder counts as the box around it.
     """
     x, y, z = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
     local = pose.inverse().apply(points)
-    local[:, 2] = np.minimum(local[:, 2], np.maximum(z / 2.0, local[:, 2] - _ON_TOP))
+    local[:, 2] = np.minimum(local[:, 2], np.maximum(z / 2.0, local[:, 2] - on_top))
     outside = np.abs(local) - np.array((x, y, z)) / 2.0
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))

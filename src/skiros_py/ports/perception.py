@@ -74,11 +74,13 @@ class DetectionResult:
         detections: Things on it, nearest to the region's middle first.
         visible: Share of the region (0 to 1) that the camera saw without anything in between and without being cut
             off by the image border; a look is *clear* when this is high.
+        taller: Points in and around the region that are higher above the surface than any part, in the map [m].
     """
 
     surface: float | None
     detections: tuple[Detection, ...]
     visible: float
+    taller: tuple[tuple[float, float, float], ...] = ()
 
 
 class PartDetector(Protocol):
@@ -96,7 +98,8 @@ class RegistrationRequest:
         image: The shot.
         camera_pose: Pose of the optical frame in the map.
         solid: The body's shape.
-        guess: Its believed pose in the map; it stands upright, at most about 3 cm and 5 degrees from there.
+        guess: Its believed pose in the map; it stands upright, best within 3 cm and 5 degrees of that, at most
+            15 cm from it.
         seed: Seed of every random choice.
         camera: Id of the camera, for displays; empty if unknown.
         body: Id of the body, for displays; empty if unknown.
