@@ -20,7 +20,7 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import Pending
 from skiros_py.recording.pictures import HEIGHT, WIDTH, captioned, over_the_shoulder
-from skiros_py.simulation.truth import Truth
+from skiros_py.simulation.truth import RobotContact, Truth
 from skiros_py.station.session import Options, Session
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 
@@ -42,9 +42,9 @@ class Forces:
         self._felt: dict[str, dict[int, float]] = defaultdict(dict)
         self.links: dict[str, set[str]] = defaultdict(set)
 
-    def note(self, cycle: int, truth: Truth) -> None:
+    def note(self, cycle: int, contacts: Iterable[RobotContact]) -> None:
         """Notes the contacts of a cycle."""
-        for contact in truth.contacts():
+        for contact in contacts:
             if contact.force > 0.0:
                 felt = self._felt[contact.body]
                 felt[cycle] = felt.get(cycle, 0.0) + contact.force
@@ -164,7 +164,7 @@ class Stage(AbstractContextManager["Stage"]):
         self.session.close()
 
     def _on_cycle(self) -> None:
-        self.forces.note(next(self._cycles), self.truth)
+        self.forces.note(next(self._cycles), self.truth.contacts())
         now = self.session.cycle.board.snapshot.time
         due = [action for at, action in self._waiting if at <= now]
         self._waiting = [(at, action) for at, action in self._waiting if at > now]

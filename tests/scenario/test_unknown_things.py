@@ -21,7 +21,9 @@ def felt(session: Session, body: str) -> list[float]:
     """Collects the force with which the robot presses on a body, cycle by cycle [N]."""
     forces: list[float] = []
     truth = Truth(session.simulation)
-    session.cycle.observe(lambda: forces.append(truth.pressure(body)))
+    session.cycle.observe(
+        lambda: forces.append(sum(contact.force for contact in truth.contacts() if contact.body == body))
+    )
     return forces
 
 

@@ -181,15 +181,6 @@ class Truth:
                 found[key] = RobotContact(*key, max(before.depth, point.depth), before.force + point.force)
         return tuple(found.values())
 
-    def pressure(self, body: str) -> float:
-        """Returns the force with which robots press on a body now [N].
-
-        Raises:
-            UnknownName: There is no such body.
-        """
-        robots = {robot.spec.id for robot in self._scene.robots}
-        return sum(point.force for point in self._scene.engine.contacts(body) if point.other in robots)
-
     def watch(self) -> None:
         """Notes what the robots touch now in :attr:`worst`; to be called as often as contacts matter (0.1 ms)."""
         for contact in self.contacts():

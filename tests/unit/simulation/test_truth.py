@@ -58,7 +58,7 @@ def test_a_moved_kit_takes_its_compartments_with_it(make_cell, kitting):
     assert after.position == pytest.approx((before.position[0], before.position[1] - 0.1, before.position[2]))
 
 
-def test_contacts_name_link_body_and_depth(make_cell, kitting):
+def test_contacts_name_link_body_depth_and_force(make_cell, kitting):
     cell = _place(kitting, make_cell, Pose((0.6, 0.2, kitting.TOP)))
     truth = Truth(cell)
     clear = truth.contacts()
@@ -72,3 +72,4 @@ def test_contacts_name_link_body_and_depth(make_cell, kitting):
     assert {body for _, body in truth.worst} == {"part"}
     assert {link for link, _ in truth.worst} <= {"panda_hand", "panda_leftfinger", "panda_rightfinger"}
     assert max(contact.depth for contact in truth.worst.values()) > 0.001
+    assert max(contact.force for contact in truth.worst.values()) > 1.0

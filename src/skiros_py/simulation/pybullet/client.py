@@ -176,7 +176,7 @@ def build_solid(
     """
     pieces = [solid.primitives[n : n + _MOST] for n in range(0, len(solid.primitives), _MOST)]
     (collision, visual), *more = [_shape(client, piece, centre, colour, collides=collides) for piece in pieces]
-    at, links = pose @ Pose(centre), [_UNMOVED] * len(more)
+    at, origins, still = pose @ Pose(centre), [(0.0, 0.0, 0.0)] * len(more), [(0.0, 0.0, 0.0, 1.0)] * len(more)
     index: int = client.createMultiBody(
         mass,
         collision,
@@ -186,20 +186,19 @@ def build_solid(
         linkMasses=[0.0] * len(more),
         linkCollisionShapeIndices=[collision for collision, _ in more],
         linkVisualShapeIndices=[visual for _, visual in more],
-        linkPositions=[position for position, _ in links],
-        linkOrientations=[orientation for _, orientation in links],
-        linkInertialFramePositions=[position for position, _ in links],
-        linkInertialFrameOrientations=[orientation for _, orientation in links],
+        linkPositions=origins,
+        linkOrientations=still,
+        linkInertialFramePositions=origins,
+        linkInertialFrameOrientations=still,
         linkParentIndices=[0] * len(more),
         linkJointTypes=[client.JOINT_FIXED] * len(more),
-        linkJointAxis=[position for position, _ in links],
+        linkJointAxis=origins,
     )
     return index
 
 
 _MOST = 16
 """PyBullet takes so many primitives for one link, and ends the process when it gets more."""
-_UNMOVED: tuple[Vector, tuple[float, float, float, float]] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 def _shape(
