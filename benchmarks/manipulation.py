@@ -14,6 +14,7 @@ import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -95,9 +96,8 @@ class Compartments(Campaign):
         frame = stage.truth.pose("kit_1")
 
         def shift() -> None:
-            there = frame @ Pose.of(
-                *(chance.sign() * chance.within(0.0, 0.03) for _ in "xy"), 0.0, yaw=self._turn(chance)
-            )
+            x, y = (chance.sign() * chance.within(0.0, 0.03) for _ in "xy")
+            there = frame @ Pose.of(x, y, 0.0, yaw=self._turn(chance))
             inside = [body for body, place in stage.truth.placements().items() if place.startswith("kit_1")]
             stage.shift([*inside, "kit_1"], "kit_1", stage.truth.pose("kit_1").inverse() @ there)
 
@@ -230,30 +230,29 @@ class Unknown(Campaign):
 
     def must_not_touch(self, stage: Stage) -> Iterable[str]:
         """Returns the thing, besides all that never moves."""
-        return [
-            *super().must_not_touch(stage),
-            *(["thing"] if "thing" in stage.session.simulation.scene.bodies else []),
-        ]
+        return [*super().must_not_touch(stage), *(stage.session.simulation.scene.bodies.keys() & {"thing"})]
 
     def run(self, stage: Stage) -> dict[str, float]:
         """Brings the thing in before or during the motion."""
-        chance, kind = Chance(stage.scene.seed + _DISTURBING), stage.scene.kind
+        chance, (whose, moment) = Chance(stage.scene.seed + _DISTURBING), stage.scene.kind.split()
         number = stage.scene.seed // 2
         shape = ("box", "post", "bar", "crate")[(number + number // 4) % 4]
-        if kind == "base before":
-            self._bring(stage, lambda: _floor_thing(shape, chance, Pose((chance.within(1.1, 1.9), 0.0, 0.0))))
-        elif kind == "base during":
-            base = lambda: stage.truth.base_pose("base_1")  # noqa: E731
-            ahead = chance.within(1.0, 1.8)
-            act = lambda: self._bring(stage, lambda: _floor_thing(shape, chance, base() @ Pose((ahead, 0.0, 0.0))))  # noqa: E731
-            stage.after("drive_base", "leg 1", act, delay=chance.within(0.5, 2.0))
-        elif kind == "arm before":
-            self._bring(stage, lambda: _desk_thing(shape, chance, stage.truth.pose("part_1"), chance.within(0.08, 0.2)))
+        far = chance.within(0.08, 0.2) if whose == "arm" else chance.within(1.1, 1.9)
+
+        def bring() -> None:
+            if whose == "arm":
+                self._bring(stage, partial(_desk_thing, shape, chance, stage.truth.pose("part_1"), far))
+            else:
+                ahead = stage.truth.base_pose("base_1") @ Pose((far, 0.0, 0.0))
+                self._bring(stage, partial(_floor_thing, shape, chance, ahead))
+
+        if moment == "before":
+            bring()
         else:
-            act = lambda: self._bring(  # noqa: E731
-                stage, lambda: _desk_thing(shape, chance, stage.truth.pose("part_1"), chance.within(0.08, 0.2))
+            module, text = ("grasp", "approaching") if whose == "arm" else ("drive_base", "leg 1")
+            stage.after(
+                module, text, bring, delay=chance.within(0.1, 0.8) if whose == "arm" else chance.within(0.5, 2.0)
             )
-            stage.after("grasp", "approaching", act, delay=chance.within(0.1, 0.8))
         stage.pursue(stage.scene.goals)
         there = "thing" in stage.session.simulation.scene.bodies
         return {"there": float(there), "known": float(bool(stage.session.world.instances(v.OBSTACLE)))}
@@ -275,8 +274,8 @@ class Unknown(Campaign):
         hit = [trial for trial in trials if trial.hits]
         return [
             none("contacts with what a camera or scanner could have seen", (bool(trial.hits) for trial in seen)),
-            at_most("10 ms mean force", _forces(trials, 0), _TRANSIENT, "N", "ISO/TS 15066"),
-            at_most("held force", _forces(trials, 1), _HELD, "N", "ISO/TS 15066"),
+            at_most("10 ms mean force", [trial.transient for trial in trials], _TRANSIENT, "N", "ISO/TS 15066"),
+            at_most("held force", [trial.held for trial in trials], _HELD, "N", "ISO/TS 15066"),
             none("false successes", (one.believed and not one.true for trial in trials for one in trial.conditions)),
             Figure("goal reached around it", f"{sum(trial.reached for trial in trials)} of {len(trials)}"),
             none("met, but not written down", (not trial.facts["known"] for trial in hit if "thing" in trial.hits)),
@@ -284,10 +283,6 @@ class Unknown(Campaign):
                 "scenes in which there was room for it", f"{sum(t.facts['there'] for t in trials):.0f} of {len(trials)}"
             ),
         ]
-
-
-def _forces(trials: Sequence[Trial], which: int) -> list[float]:
-    return [max((hit[which] for hit in trial.hits.values()), default=0.0) for trial in trials]
 
 
 def _floor_thing(shape: str, chance: Chance, near: Pose) -> BodySpec:
@@ -364,7 +359,7 @@ _DOCKED = {"mm": 5.0, "deg": 0.5}
 
 
 def _hits(trials: Sequence[Trial]) -> Figure:
-    worst = max(_forces(trials, 0), default=0.0)
+    worst = max((trial.transient for trial in trials), default=0.0)
     return Figure("scenes in which something fixed was touched", f"{sum(bool(t.hits) for t in trials)}, {worst:.0f} N")
 
 

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from manipulation_scenes import Scene
@@ -57,6 +57,10 @@ class Forces:
     def held(self, body: str) -> float:
         """Returns the greatest mean force on a body over half a second [N]."""
         return self._mean(body, _HELD)
+
+    def hit(self, body: str) -> Hit:
+        """Returns both, and the links that touched a body."""
+        return Hit(self.transient(body), self.held(body), ", ".join(sorted(self.links[body])))
 
     def _mean(self, body: str, window: int) -> float:
         felt = self._felt.get(body)
@@ -182,6 +186,14 @@ _MOST_SHOTS = 4
 """So many failures in one scene are worth a picture."""
 
 
+class Hit(NamedTuple):
+    """Mean forces over 10 ms and over half a second [N], and the links that touched."""
+
+    transient: float
+    held: float
+    links: str
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """What happened in one scene.
@@ -190,7 +202,7 @@ class Trial:
         scene: The scene.
         conditions: What the robot reported of each condition, and the truth.
         first: For each wanted part whether no step with it failed.
-        hits: What it should not have touched: force over 10 ms, over half a second [N], and the links, by body.
+        hits: What it should not have touched, by body.
         facts: What else the campaign measured, by name.
         misses: What was not as it should be, each with its cause.
         pictures: Pictures of it.
@@ -199,10 +211,20 @@ class Trial:
     scene: Scene
     conditions: Sequence[ConditionReport]
     first: Sequence[bool]
-    hits: dict[str, tuple[float, float, str]]
+    hits: dict[str, Hit]
     facts: dict[str, float]
     misses: list[str]
     pictures: list[Image] = field(default_factory=list)
+
+    @property
+    def transient(self) -> float:
+        """Greatest mean force over 10 ms on what it should not have touched [N]."""
+        return max((hit.transient for hit in self.hits.values()), default=0.0)
+
+    @property
+    def held(self) -> float:
+        """Greatest mean force over half a second on what it should not have touched [N]."""
+        return max((hit.held for hit in self.hits.values()), default=0.0)
 
     @property
     def is_honest(self) -> bool:
@@ -246,8 +268,7 @@ class Campaign:
         with Stage(scene, folder, pictures=pictures) as stage:
             stage.shoot("start")
             facts = self.run(stage)
-            touched = {body: stage.forces for body in self.must_not_touch(stage) if stage.forces.transient(body) > 0.0}
-            hits = {b: (f.transient(b), f.held(b), ", ".join(sorted(f.links[b]))) for b, f in touched.items()}
+            hits = {body: hit for body in self.must_not_touch(stage) if (hit := stage.forces.hit(body)).transient > 0.0}
             misses = [_cause(stage, one) for one in stage.conditions if not one.true or one.believed != one.true]
             misses += [
                 f"{b} touched with {t:.0f} N in 10 ms, {h:.0f} N held, by {by}" for b, (t, h, by) in hits.items()
@@ -261,7 +282,8 @@ class Campaign:
 def _cause(stage: Stage, one: ConditionReport) -> str:
     """Says why a condition is missing, and where parts really are that are believed elsewhere."""
     world, really = stage.session.world, stage.truth.placements()
-    believed = {part: (world.placement(part).place if world.has(part) else "?") for part in really}
+    placed = {part: world.placement(part) if world.has(part) else None for part in really}
+    believed = {part: "nowhere" if at is None else at.place for part, at in placed.items()}
     elsewhere = [
         f"{part} is {really[part]}, believed {place}" for part, place in believed.items() if place != really[part]
     ]
