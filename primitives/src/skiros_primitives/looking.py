@@ -51,7 +51,7 @@ def inner_region(context: RunContext, compartment: str) -> Region | str:
     if pose is None or solid is None:
         return Message("{compartment} has no pose or no inner volume", compartment=compartment)
     low, high = Solid.from_json(str(solid)).bounds()
-    return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0))
+    return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0), exact=True)
 
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34)

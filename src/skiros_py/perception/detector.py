@@ -141,7 +141,8 @@ def detect(request: DetectionRequest) -> DetectionResult:
     half = request.region.half_extents
     view = View.of(request.image, request.camera_pose, request.region.pose)
     inside = np.all(np.abs(view.points) <= (*half, _SURFACE_WINDOW), axis=1)
-    plane = find_support(view.points[inside], seed=request.seed)
+    # A part may cover all of a narrow compartment: no floor is seen there, and its top must not be taken for that.
+    plane = Plane(0.0, 0.0, 0.0) if request.region.exact else find_support(view.points[inside], seed=request.seed)
     if plane is None:
         return DetectionResult(None, (), visible_share(view, Plane(0.0, 0.0, 0.0), half))
     elevation = elevation_map(view, plane, (half[0] + _AROUND, half[1] + _AROUND))

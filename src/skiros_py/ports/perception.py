@@ -19,10 +19,17 @@ class PartModel:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """A flat place to look at: a rectangle at a pose in the map (its frame lies on the surface), half extents [m]."""
+    """A flat place to look at.
+
+    Attributes:
+        pose: The middle of a rectangle in the map; its frame lies on the surface.
+        half_extents: Of the rectangle [m].
+        exact: True where the height of the surface is known; otherwise it is a guess (± 0.08 m), and the surface found.
+    """
 
     pose: Pose
     half_extents: tuple[float, float]
+    exact: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +39,7 @@ class DetectionRequest:
     Attributes:
         image: The shot.
         camera_pose: Pose of the optical frame in the map, as known from joints and localisation.
-        region: Where to search; nothing outside is reported. Its height is a guess (± 0.08 m): the plane is found.
+        region: Where to search; nothing outside is reported.
         models: The types that may lie there.
         seed: Seed of every random choice.
         camera: Id of the camera, for displays; empty if unknown.

@@ -87,6 +87,24 @@ def test_a_first_look_from_the_side_never_gives_a_wrong_type(studio: Studio) -> 
     assert right >= 50  # of 60, a few of which the border of the image cuts
 
 
+def test_a_part_that_fills_its_compartment_is_seen_and_an_empty_one_is_empty(studio: Studio) -> None:
+    x, y, wall = 0.0325, 0.023, 0.004  # half of a compartment with 3 mm of play around a relay box
+    walls = [(sx * (x + wall / 2.0), sy * (y + wall / 2.0)) for sx, sy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    blocks = [Primitive("box", (wall if at[0] else 2.0 * x, wall if at[1] else 2.0 * y, 0.02), Pose((*at, 0.01)))
+              for at in walls]  # fmt: skip
+    rng, camera, compartment = np.random.default_rng(4), studio.over(0.05, -0.03, 0.96), Pose.of(0.0, 0.0, 0.5, yaw=0.3)
+    place = [studio.table(0.5), (Solid(tuple(blocks)), compartment)]
+    where = Region(compartment, (x, y), exact=True)
+
+    full = detect(studio.look([*place, (studio.parts["RelayBox"], compartment)], camera, where, rng))
+    empty = detect(studio.look(place, camera, where, rng))
+
+    assert [thing.type for thing in full.detections] == ["RelayBox"]
+    assert full.detections[0].pose.distance(compartment) <= 0.003
+    assert empty.detections == ()
+    assert empty.visible >= 0.9
+
+
 def test_what_is_higher_than_any_part_is_shown_where_it_is(studio: Studio) -> None:
     rng = np.random.default_rng(3)
     bodies = [studio.table(0.5), studio.part("Compressor", 0.02, 0.05, 0.5, 0.4)]
