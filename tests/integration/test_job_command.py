@@ -53,9 +53,7 @@ def test_a_long_list_of_jobs_goes_on_where_it_ended(server: ServerProcess) -> No
         assert job(server, "submit", STARTER, "--id", name, "--hold").returncode == 0
 
     first = json.loads(job(server, "list", "--limit", "1", "--state", "NotAllowedToStart", "--json").stdout)
-    second = json.loads(
-        job(server, "list", "--state", "NotAllowedToStart", "--cursor", first["next"], "--json").stdout
-    )
+    second = json.loads(job(server, "list", "--state", "NotAllowedToStart", "--cursor", first["next"], "--json").stdout)
 
     assert [one["id"] for one in first["items"] + second["items"]] == ["page-1", "page-2"]
     for name in ("page-1", "page-2"):

@@ -85,6 +85,17 @@ def test_putting_any_part_into_a_kit_takes_one_pick_and_one_place(kitting: Sessi
     assert [s.skill for s in outcome.steps] == ["drive", "pick", "drive", "place"]
 
 
+def test_a_part_that_was_let_go_and_not_seen_yet_is_looked_for() -> None:
+    with skiros_py.open("kitting", fake=True) as session:
+        with session.world.transaction("test", "let go") as tx:
+            tx.place("starter_1", "sk:mayBeIn", "kit_1_a")
+        report = session.run(["InKit(Starter, kit_1)"])
+
+        assert report.reached
+        assert [step.skill for step in report.steps] == ["drive", "search"]
+        assert session.world.related("starter_1", "sk:in", "kit_1_a")
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_fake_robot_reaches_the_goal_of_the_scene(scene: str) -> None:
     with skiros_py.open(scene, fake=True) as session:

@@ -43,6 +43,20 @@ def test_a_part_knocked_out_of_the_gripper_is_noticed_and_the_remaining_goal_is_
     assert found[STARTER].reason
 
 
+def test_a_part_let_go_just_before_a_stop_is_found_by_the_next_order(open_session, when):
+    session = open_session("kitting_carried", seed=2)
+    let_go = lambda: session.world.placement("starter_1").relation == "sk:mayBeIn"  # noqa: E731
+    when(session, let_go, session.stop)
+
+    stopped = session.run([STARTER])
+    report = session.run([STARTER])
+
+    assert (stopped.stopped, stopped.reached) == (True, False)
+    assert by_condition(report)[STARTER].true
+    assert report.reached
+    assert "search" in [step.skill for step in report.steps]
+
+
 def test_a_removed_part_is_marked_missing_after_two_clear_looks_and_not_deleted(open_session, when):
     session = open_session("kitting_carried", seed=2)
     when(session, lambda: True, lambda: session.simulation.remove_body("starter_1"))

@@ -88,7 +88,7 @@ class PutDown(HandlingPrimitive):
             part, compartment = self.params.part, self.params.compartment
             reason = Message("released over {compartment}, not seen yet", compartment=compartment)
             with self.world.transaction(author=self.name, reason=reason) as tx:
-                tx.place(part, v.ON, self.world.instances(v.UNKNOWN_LOCATION)[0])
+                tx.place(part, v.MAY_BE_IN, compartment)
                 write_pose(tx, part, None)  # a look has to determine it
         self.progress(3, Message("retreating"))
         yield from self.recover()

@@ -58,6 +58,12 @@ OBJECT_AT_LOCATION = ConditionType(
     "The object lies in the container.",
     abstract=True,
 )
+MAY_BE_IN = ConditionType(
+    "MayBeIn",
+    (Role("object", v.MANIPULATABLE), Role("location", v.CONTAINER)),
+    Related(v.MAY_BE_IN, "object", "location"),
+    "The object was let go over the container, and has not been seen there yet.",
+)
 IN_KIT = ConditionType(
     "InKit",
     (Role("object", v.MANIPULATABLE), Role("kit", kitting.KIT)),

@@ -193,11 +193,11 @@ def _mass(view: WorldView, element: str) -> float:
 
 
 def _place(view: WorldView, element: str) -> str | None:
-    """Returns what a thing lies in, and for a compartment the kit that has it."""
+    """Returns what a thing lies in, or may lie in, and for a compartment the kit that has it."""
     if _is_compartment(view, element):
         return next(iter(view.subjects(v.HAS_A, element)), None)
     placement = view.placement(element)
-    return placement.place if placement and placement.relation == v.IN else None
+    return placement.place if placement and placement.relation in (v.IN, v.MAY_BE_IN) else None
 
 
 def _is_compartment(view: WorldView, element: str) -> bool:

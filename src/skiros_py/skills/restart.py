@@ -61,7 +61,7 @@ def _lost(world: World) -> list[str]:
 
 
 def _holds_bodies(world: World, placement: Placement) -> bool:
-    return placement.relation == v.IN and world.value(placement.place, v.SOLID) is not None
+    return placement.relation in (v.IN, v.MAY_BE_IN) and world.value(placement.place, v.SOLID) is not None
 
 
 def last_place(world: World, part: str) -> Placement | None:

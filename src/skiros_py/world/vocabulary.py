@@ -116,6 +116,8 @@ INSIDE: Final = RelationName("sk:inside")
 """The subject's box lies in the object's, except that it may protrude at the top (+z of the object's frame)."""
 LEFT_OF: Final = RelationName("sk:leftOf")
 """The subject's box lies wholly beyond the object's left side (+y of the object's frame)."""
+MAY_BE_IN: Final = RelationName("sk:mayBeIn")
+"""The thing was let go over the container, and has not been seen there yet."""
 MOUNTED_ON: Final = RelationName("sk:mountedOn")
 """The device that carries this one."""
 NEAR: Final = RelationName("sk:near")
