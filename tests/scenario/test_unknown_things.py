@@ -79,11 +79,15 @@ def test_a_base_that_meets_what_it_cannot_see_moves_back_and_says_so(open_sessio
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
 
 
-def test_an_arm_that_meets_something_yields_at_once_and_says_so(open_session: Callable[..., Session]) -> None:
+def test_an_arm_that_meets_something_yields_at_once_and_says_so(
+    open_session: Callable[..., Session], when: Callable[[Session, Callable[[], bool], Callable[[], None]], None]
+) -> None:
     session = open_session("kitting", seed=3)
     assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
     bar = BodySpec("bar", "test:Bar", Solid.box(0.04, 0.6, 0.04), pose=Pose((4.86, 1.6, 0.78)), mass=0.0)
-    session.simulation.add_body(bar)
+    texts: list[str] = []
+    session.monitor.subscribe(lambda event: texts.append(f"{event.module} {event.text}"))
+    when(session, lambda: "grasp approaching" in texts, lambda: session.simulation.add_body(bar))  # no look shows it
     forces = felt(session, "bar")
 
     report = session.run(["Holding(gripper_1, starter_1)"])
