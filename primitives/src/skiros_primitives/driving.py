@@ -81,8 +81,8 @@ class DrivingPrimitive(Primitive[Any]):
         """Pose of the robot in the map, as localised."""
         return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot, self.context.board.guard)
 
-    bumped = False
-    """True when the last drive was broken off because the base met something."""
+    bumped = 0.0
+    """Where the base met something, for which the last drive was broken off: 1 ahead, -1 behind; 0 for nothing."""
     seen: Sequence[str] = ()
     """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
 
@@ -124,7 +124,7 @@ class DrivingPrimitive(Primitive[Any]):
         """
         follower = base.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
         driven, deadline, bumper = -1.0, 0.0, Bumper(self.context, base)
-        self.bumped, self.seen = False, []
+        self.bumped, self.seen = 0.0, []
         while True:
             try:
                 reached, target = next(follower)
@@ -143,7 +143,7 @@ class DrivingPrimitive(Primitive[Any]):
             base.command(target)
             yield
             if bumper.felt():
-                self.bumped = True
+                self.bumped = math.copysign(1.0, getattr(target, "linear", 1.0))
                 return driven
             if lookout is not None and lookout.is_blocked():
                 yield from self.stand(base)
@@ -248,17 +248,16 @@ class DriveBase(DrivingPrimitive):
         if stuck is None:
             return self._arrived(self.pose, goal)
         if self.bumped:
-            yield from self._back_off(base, path, int(stuck))
+            yield from self._back_off(base)
         leg, legs = int(stuck) + 1, len(path.legs)
         location = self.params.location
         if leg <= legs:
             return Failure(Message("stuck on leg {leg} of {legs} to {location}", leg=leg, legs=legs, location=location))
         return Failure(Message("stuck while turning at {location}", location=location))
 
-    def _back_off(self, base: Mobile, path: Path, leg: int) -> Execution[None]:
+    def _back_off(self, base: Mobile) -> Execution[None]:
         """Writes that something is where the base met it, and drives back a little."""
-        backwards = leg < len(path.legs) and getattr(path.legs[leg], "backwards", False)
-        ahead = -1.0 if backwards else 1.0
+        ahead = self.bumped
         edge = max(ahead * x for x, _ in self._spec().footprint)
         x, y, _ = (self.pose @ Pose((ahead * (edge + _BLOCK[0] / 2.0), 0.0, 0.0))).position
         reason = Message("{base} met something", base=self.params.base)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import dropwhile
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -177,17 +178,19 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
             return True
         fastest, drift, before = speeds.along(curve), 0.0, 0.0
         while True:
-            here = pose()
-            at, left, aside, turned = curve.nearest(here)
-            drift, before = drift + aside * (at - before), at
+            at, behind, aside, turned = curve.nearest(pose())
+            ahead, turn = curve.rates(at)
+            left = curve.length - at
+            drift, before = drift + aside * abs(ahead) * (at - before), at
             if left < _SHORT:
                 return True
-            if abs(aside) > _ASIDE:
+            if math.hypot(aside, behind) > _ASIDE:
                 return False
-            speed = min(float(np.interp(at, curve.along, fastest)), speeds.braking(left)) * max(0.0, math.cos(turned))
+            rate = min(float(np.interp(at, curve.along, fastest)), _SETTLING * left) * max(0.0, math.cos(turned))
+            speed = ahead * rate
             offset = _STIFFNESS**2 * aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
-            steer = speed * (curve.bend_at(at) - offset) + 2.0 * _STIFFNESS * max(speed, _CRAWL) * turned
-            twist = BaseTwist(curve.sign * speed, max(-self.max_angular, min(self.max_angular, steer)))
+            steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * turned
+            twist = BaseTwist(speed + _CATCHING_UP * behind, max(-self.max_angular, min(self.max_angular, steer)))
             yield driven + 1.0 - left / curve.length, twist
 
     def scaled(self, target: BaseTwist, rate: float) -> BaseTwist:
@@ -209,67 +212,86 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
 
 _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
-_BRAKING_SHARE = 0.8
-"""Share of an acceleration limit that is planned with; the rest is left for corrections."""
-_STEERING_SHARE = 0.85
-"""The same of turning speed, and of the root of turning acceleration."""
+_SHARE = 0.93
+"""Share of each limit that is planned with; the rest is left for corrections."""
+_BLIND = 0.3
+"""Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
 _CRAWL = 0.1
 """Speed below which steering by the heading does not become weaker [m/s]."""
+_CATCHING_UP = 2.0
+"""Speed per distance from its place on a curve, where that only turns [1/s]."""
 _GRID = 0.01
 """Distance between points of a curve [m]."""
 _AHEAD = 60
 """Number of points ahead of the last one among which the nearest one is looked for."""
+_NEAR = 0.05
+"""Points of a curve this near to its beginning tell no direction, since the base is some millimetres beside it [m]."""
+_LEVER = 0.4
+"""How much a turn counts as way on a curve [m/rad]."""
 
 
 class Curve:
-    """The way of one leg, from where the base stands.
+    """The way of one leg, from where the base stands: what it drives and what it turns.
 
     Attributes:
-        along: Distances from the beginning at even steps [m], shape (n,).
-        bend: Curvature there, positive to the left in the direction of travel [1/m].
+        along: Ways from the beginning at even steps [m], shape (n,); a turn by 1 rad counts as 0.4 m.
         length: [m].
-        sign: 1.0, or -1.0 where it is driven backwards.
+
+    Args:
+        leg: The leg.
+        start: Where the base stands.
+        grid: Distance between the points [m].
     """
 
-    def __init__(self, leg: BaseLeg, start: Pose) -> None:
-        points = np.array([start.position[:2], *leg.via, (leg.x, leg.y)])
-        steps = np.hypot(*np.diff(points, axis=0).T)
-        points, steps = points[np.concatenate([[True], steps > 1e-9])], steps[steps > 1e-9]
+    def __init__(self, leg: BaseLeg, start: Pose, grid: float = _GRID) -> None:
+        first, *via, last = leg.points(start)
+        points = np.array([first, *dropwhile(lambda point: math.dist(point[:2], first[:2]) < _NEAR, via), last])
+        points[:, 2] = np.unwrap(points[:, 2])
+        way, turn = self._driven(points)
+        steps = np.abs(way) + _LEVER * np.abs(turn)
+        kept = steps > 1e-9
+        points, way, turn, steps = points[np.concatenate([[True], kept])], way[kept], turn[kept], steps[kept]
         ends = np.concatenate([[0.0], np.cumsum(steps)])
-        self.sign = -1.0 if leg.backwards else 1.0
         self.length = float(ends[-1])
-        self.along = np.linspace(0.0, self.length, max(2, math.ceil(self.length / _GRID) + 1))
+        self.along = np.linspace(0.0, self.length, max(2, math.ceil(self.length / grid) + 1))
         self._points = np.column_stack([np.interp(self.along, ends, column) for column in points.T])
-        # Directions are known at the middle of each step, curvatures at the points: in between both change evenly.
-        turns = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1])) if len(steps) else np.zeros(1)
+        # Rates are known in the middle of each step: in between they change evenly.
         middles = (ends[1:] + ends[:-1]) / 2.0 if len(steps) else np.zeros(1)
-        self._directions = np.interp(self.along, middles, turns)
-        bends = np.concatenate([[0.0], np.diff(turns) / np.diff(middles), [0.0]])[: len(ends)]
-        self.bend = np.interp(self.along, ends, bends)
+        rates = (way / steps, turn / steps) if len(steps) else (np.zeros(1), np.zeros(1))
+        self.ahead, self.turn = (np.interp(self.along, middles, rate) for rate in rates)
         self._index = 0
+
+    @staticmethod
+    def _driven(points: Array) -> tuple[Array, Array]:
+        """Returns what is driven, negative in reverse [m], and turned [rad] in each step."""
+        dx, dy, turn = np.diff(points, axis=0).T
+        yaw = points[:-1, 2] + turn / 2.0
+        return np.copysign(np.hypot(dx, dy), dx * np.cos(yaw) + dy * np.sin(yaw)), turn
 
     def nearest(self, pose: Pose) -> tuple[float, float, float, float]:
         """Returns the nearest place ahead.
 
         Returns:
-            How far along it is [m], how much is left [m], how far left of it the base is [m], and the angle by which
-            the base has to turn [rad].
+            How far along it is [m]; how far ahead of the base it is, in its heading, and how far left of it the base is
+            [m]; and the angle by which the base has to turn [rad].
         """
         x, y, _ = pose.position
-        window = self._points[self._index : self._index + _AHEAD]
-        self._index += int(np.argmin(((window - (x, y)) ** 2).sum(axis=1)))
-        direction = float(self._directions[self._index])
-        ux, uy = math.cos(direction), math.sin(direction)
-        dx, dy = x - float(self._points[self._index, 0]), y - float(self._points[self._index, 1])
-        at = float(self.along[self._index]) + dx * ux + dy * uy
-        heading = direction if self.sign > 0.0 else direction + math.pi
-        return at, self.length - at, dy * ux - dx * uy, wrap_angle(heading - pose.yaw)
+        away = self._points[self._index : self._index + _AHEAD] - (x, y, pose.yaw)
+        away[:, 2] = _LEVER * ((away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi)
+        nearest = int(np.argmin((away**2).sum(axis=1)))
+        self._index += nearest
+        dx, dy, turned = away[nearest].tolist()
+        ahead, turn, yaw = (float(one[self._index]) for one in (self.ahead, self.turn, self._points[:, 2]))
+        behind, aside = dx * math.cos(yaw) + dy * math.sin(yaw), dx * math.sin(yaw) - dy * math.cos(yaw)
+        past = -(behind * ahead + turned * _LEVER * turn) / (ahead**2 + (_LEVER * turn) ** 2)
+        at = float(self.along[self._index]) + past
+        return at, behind + past * ahead, aside, turned / _LEVER + past * turn
 
-    def bend_at(self, along: float) -> float:
-        """Returns the curvature at a place [1/m]."""
-        return float(np.interp(along, self.along, self.bend))
+    def rates(self, along: float) -> tuple[float, float]:
+        """Returns how much is driven, negative in reverse, and turned [rad] for each metre of the way at a place."""
+        return float(np.interp(along, self.along, self.ahead)), float(np.interp(along, self.along, self.turn))
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,42 +303,42 @@ class Speeds:
     acceleration: float
     angular_acceleration: float
 
-    def braking(self, left: float) -> float:
-        """Returns the greatest speed from which the base can stop within a way [m/s]."""
-        return min(math.sqrt(2.0 * _BRAKING_SHARE * self.acceleration * left), _SETTLING * left)
+    def along(self, curve: Curve, *, start: float = math.inf) -> Array:
+        """Returns the greatest rates of way at the points of a curve [m/s], which ends at rest.
 
-    def along(self, curve: Curve) -> Array:
-        """Returns the greatest speeds at the points of a curve [m/s]: it can be steered there, and braked behind."""
-        bend, change = np.abs(curve.bend), np.abs(np.gradient(curve.bend, curve.along))
-        steering = _STEERING_SHARE * np.minimum(
-            self.angular / np.maximum(bend, 1e-9), np.sqrt(self.angular_acceleration / np.maximum(change, 1e-9))
-        )
-        squared = np.minimum(steering, self.linear) ** 2
-        step = self._step(curve)
-        for index in range(len(squared) - 2, -1, -1):
-            squared[index] = min(squared[index], squared[index + 1] + step)
-        return np.asarray(np.sqrt(squared))
+        Args:
+            curve: The curve.
+            start: Rate at its beginning [m/s].
+        """
+        step = float(curve.along[1] - curve.along[0])
+        push, swing = _SHARE * self.acceleration, _SHARE * self.angular_acceleration
+        ahead, turn = np.maximum(np.abs(curve.ahead), 1e-9), np.maximum(np.abs(curve.turn), 1e-9)
+        jolt, swerve = (np.maximum(np.abs(np.gradient(one, step)), 1e-9) for one in (curve.ahead, curve.turn))
+        fastest = np.where(curve.ahead < 0.0, min(self.linear, _BLIND), self.linear)
+        squared = np.minimum(fastest / ahead, _SHARE * self.angular / turn) ** 2
+        squared = np.minimum(squared, _SHARE * np.minimum(push / jolt, swing / swerve))
+        squared[0], squared[-1] = min(squared[0], start**2), 0.0
+        found, *limits = (one.tolist() for one in (squared, push / ahead, jolt / ahead, swing / turn, swerve / turn))
+        rows = list(zip(*limits, strict=True))
+        for order in (range(len(found) - 1), range(len(found) - 1, 0, -1)):
+            for index in order:
+                here = found[index]
+                driving, bending, turning, swerving = rows[index]
+                gain = 2.0 * step * min(driving - bending * here, turning - swerving * here)
+                after = index + (1 if order.step > 0 else -1)
+                found[after] = min(found[after], here + gain)
+        return np.sqrt(found)
 
     def duration(self, curve: Curve) -> float:
         """Returns how long a curve takes from rest to rest [s]."""
-        squared = self.along(curve) ** 2
-        squared[-1], step = 0.0, self._step(curve)
-        squared = np.minimum(squared, step * np.arange(len(squared))[::-1])
-        rising = 0.0
-        for index in range(len(squared)):
-            squared[index] = rising = min(squared[index], rising)
-            rising += step
-        speeds = np.sqrt(squared)
-        return float(2.0 * (np.diff(curve.along) / np.maximum(1e-6, speeds[1:] + speeds[:-1])).sum())
+        rates = self.along(curve, start=0.0)
+        return float(2.0 * (np.diff(curve.along) / np.maximum(1e-6, rates[1:] + rates[:-1])).sum())
 
     def turning(self, angle: float) -> float:
         """Returns how long a turn on the spot by an angle [rad] takes [s]."""
         angle, quick = abs(angle), self.angular**2 / self.angular_acceleration
         full = angle / self.angular + self.angular / self.angular_acceleration
         return full if angle > quick else 2.0 * math.sqrt(angle / self.angular_acceleration)
-
-    def _step(self, curve: Curve) -> float:
-        return 2.0 * _BRAKING_SHARE * self.acceleration * float(curve.along[1] - curve.along[0])
 
 
 class Base(DeviceHandle[BaseSpec, BaseState, BaseTwist]):

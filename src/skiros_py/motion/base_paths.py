@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -57,6 +58,10 @@ class DiscSpace:
     def all_free(self, points: Array) -> bool:
         """Returns True when it touches nothing at any of some points [m], shape (n, 2)."""
         return not shapely.intersects_xy(self._closed, points).any()
+
+    def sees(self, start: Point, goal: Point) -> bool:
+        """Returns True when it touches nothing on the straight line between two points [m]."""
+        return not shapely.intersects(self._closed, shapely.LineString([start, goal]))
 
     def shortest(self, start: Point, goal: Point) -> list[Point] | None:
         """Returns the way points from start to goal, both included, or None: there is no way.
@@ -127,36 +132,65 @@ class BasePaths:
         floor = _Floor(request)
         if touched := floor.touched(request.goal, request.goal, 0.0):
             return NoMotion(f"at its goal the base would touch {touched}")
-        found = floor.ways(request.start, request.goal)
+        found = floor.ways()
         if isinstance(found, NoMotion):
             return found
-        paths = (BasePath(_legs(request.start, way, floor.space), request.goal.yaw) for way in found)
-        return min(paths, key=lambda path: _duration(path, request.start))
+        fastest = sorted((_driven(way, floor) for way in found), key=lambda one: one.duration)[:_BEST]
+        return min((_tightened(one, floor) for one in fastest), key=lambda one: one.duration).path
 
 
-def _legs(start: Pose, way: Sequence[Point], space: DiscSpace) -> tuple[BaseLeg, ...]:
-    """Returns the legs of a way that begins where there is room to turn."""
-    apart = [point for before, point in pairwise(way) if math.dist(point, before) > _NO_WAY]
-    legs = _rounded([way[0], *apart], space)
-    if math.dist(way[0], _xy(start)) > _NO_WAY:
-        behind = (start.inverse() @ Pose((*way[0], start.position[2]))).position[0] < 0.0
-        legs.insert(0, BaseLeg(*way[0], backwards=behind))
-    return tuple(legs)
+@dataclass(frozen=True, slots=True)
+class _Driven:
+    """A way, its path, and about how long that takes [s]."""
+
+    way: Sequence[Point]
+    path: BasePath
+    duration: float
 
 
+def _driven(way: Sequence[Point], floor: _Floor) -> _Driven:
+    path = BasePath(_legs(floor.start, way, floor.space), floor.goal.yaw)
+    return _Driven(way, path, _duration(path, floor.start))
+
+
+_BEST = 2
+"""How many ways are tightened."""
+_MOVES = (0.4, 0.2, 0.1, 0.05)
+"""By how much points of a way are moved [m]."""
+
+
+def _tightened(best: _Driven, floor: _Floor) -> _Driven:
+    """Moves the points of a way as long as that makes it faster, like an elastic band."""
+    for step in _MOVES:
+        before = None
+        while before is not best:
+            before = best
+            for number in range(len(best.way) - 1):
+                moved = (_driven(way, floor) for way in floor.moved(best.way, number, step))
+                fastest = min(moved, key=lambda one: one.duration, default=best)
+                if fastest.duration < best.duration - _WORTH:
+                    best = fastest
+    return best
+
+
+_WORTH = 0.02
+"""What a move must save [s]."""
 _TYPICAL = Speeds(0.8, 1.2, 0.5, 1.5)
 """Limits of the base for which the fastest way is chosen."""
 _STOP = 0.5
 """Time that a stop takes, until the base stands [s]."""
+_COARSE = 0.04
+"""Distance between the points at which speeds are compared [m]."""
 
 
 def _duration(path: BasePath, start: Pose) -> float:
     """Returns about how long a path takes [s]."""
     duration, here = 0.0, start
     for leg in path.legs:
-        begin = Pose.of(*here.position, yaw=leg.heading(here))
-        duration += _TYPICAL.turning(wrap_angle(begin.yaw - here.yaw)) + _TYPICAL.duration(Curve(leg, begin)) + _STOP
-        here = leg.poses(begin)[-1]
+        turn = _TYPICAL.turning(wrap_angle(leg.heading(here) - here.yaw))
+        duration += turn + _TYPICAL.duration(Curve(leg, here, _COARSE)) + _STOP
+        x, y, yaw = leg.points(here)[-1]
+        here = Pose.of(x, y, 0.0, yaw=yaw)
     return duration + _TYPICAL.turning(wrap_angle(path.heading - here.yaw))
 
 
@@ -169,51 +203,72 @@ _NARROWEST = 0.1
 _FINE = 0.04
 """Distance between points on a rounded corner [m]."""
 
+Corner = list[tuple[float, float, float]]
+"""Points of a rounded corner [m] and the headings there [rad]."""
 
-def _rounded(way: Sequence[Point], space: DiscSpace) -> list[BaseLeg]:
-    """Returns the legs along a polyline with rounded corners: one leg for all that is driven without a stop."""
+
+def _legs(start: Pose, way: Sequence[Point], space: DiscSpace) -> tuple[BaseLeg, ...]:
+    """Returns the legs of a way with rounded corners: one leg for all that is driven without a turn on the spot."""
+    here = _xy(start)
+    points = [here, *(point for before, point in pairwise((here, *way)) if math.dist(point, before) > _NO_WAY)]
+    ahead = (math.cos(start.yaw), math.sin(start.yaw))
+    behind = len(points) > 1 and float(np.subtract(points[1], here) @ ahead) < -_NO_WAY and here != way[0]
     legs: list[BaseLeg] = []
-    via: list[Point] = []
-    room = [math.dist(a, b) / 2.0 for a, b in pairwise(way)]
-    for number in range(1, len(way)):
+    via: Corner = []
+    room = [math.dist(a, b) / 2.0 for a, b in pairwise(points)]
+    for number in range(1, len(points)):
+        reverses = behind and number == 1
         corner = None
-        if number < len(way) - 1:
-            last = number == len(way) - 2  # the end of the last stretch stays straight
-            half = min(room[number - 1], 2.0 * room[number] - _RUN_UP if last else room[number], _WIDEST)
-            corner = _corner(way[number - 1], way[number], way[number + 1], half, space)
+        if number < len(points) - 1:
+            last = number == len(points) - 2  # the end of the last stretch stays straight
+            before = 2.0 * room[0] if number == 1 else room[number - 1]
+            half = min(before, 2.0 * room[number] - _RUN_UP if last else room[number], _WIDEST)
+            corner = _corner(points[number - 1 : number + 2], half, space, reverses=reverses)
         if corner is None:
-            legs.append(BaseLeg(*way[number], via=tuple(via)))
+            legs.append(BaseLeg(*points[number], backwards=reverses, via=tuple(via)))
             via = []
         else:
             via += corner
-    return legs
+    return tuple(legs)
 
 
-def _corner(before: Point, at: Point, after: Point, half: float, space: DiscSpace) -> list[Point] | None:
-    """Returns points around a corner, as wide as there is room; None where the base has to turn on the spot.
+_RAMPS = {False: 1.0, True: 0.4}
+"""Share of a rounded corner, driven ahead or with a reversal, in which its turn grows or falls."""
+_PACE = 0.06
+"""Turn between two points of a rounded corner [rad]."""
 
-    The curve is a cubic B-spline: its curvature grows from zero and falls back to it, so the base need not stop to
-    steer.
+
+def _corner(lines: Sequence[Point], half: float, space: DiscSpace, *, reverses: bool) -> Corner | None:
+    """Returns a curve around a corner, as wide as there is room; None where the base has to turn on the spot.
+
+    Driven ahead, its curvature grows evenly from zero and falls back to it, so the base need not stop to steer. A base
+    that comes backwards turns while it stops and drives ahead: its speed changes evenly. Either way the two halves are
+    mirror images, so the curve leaves the first line as far before the corner as it meets the second one behind it.
 
     Args:
-        before: Where the way comes from.
-        at: The corner.
-        after: Where the way goes to.
+        lines: Where the way comes from, the corner, and where it goes to.
         half: How long before and after the corner it may leave the straight lines [m].
         space: Where the middle of the base may be.
+        reverses: Whether the base comes backwards, and leaves ahead.
     """
-    middle, incoming, outgoing = np.array(at), np.subtract(at, before), np.subtract(after, at)
+    incoming, outgoing = np.diff(lines, axis=0)
     incoming, outgoing = incoming / np.linalg.norm(incoming), outgoing / np.linalg.norm(outgoing)
     if float(incoming @ outgoing) < math.cos(_SHARPEST):
         return None
+    first, last = (math.atan2(y, x) for x, y in (-incoming if reverses else incoming, outgoing))
+    turn = wrap_angle(last - first)
+    time = np.linspace(-1.0, 1.0, 2 * math.ceil(max(abs(turn) / _PACE, half / _FINE)) + 1)
+    rate = np.minimum(1.0, (1.0 - np.abs(time)) / _RAMPS[reverses])
+    turned = np.concatenate([[0.0], np.cumsum(rate[1:] + rate[:-1])])
+    yaws = first + turn * turned / turned[-1]
+    middles = (yaws[1:] + yaws[:-1]) / 2.0
+    steps = np.diff(time**2 if reverses else time)[:, None] * np.column_stack([np.cos(middles), np.sin(middles)])
+    path = np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+    path = path * np.linalg.norm(incoming + outgoing) / np.linalg.norm(path[-1]) - incoming
     while half >= _NARROWEST:
-        along = np.linspace(-half, half, 2 * math.ceil(half / _FINE) + 1)
-        ahead = np.where(along < 0.0, (along + half) ** 3, 6.0 * half**2 * along + (half - along) ** 3) / (
-            6.0 * half**2
-        )
-        points = middle + np.outer(along - ahead, incoming) + np.outer(ahead, outgoing)
+        points = lines[1] + half * path
         if space.all_free(points):
-            return [(float(x), float(y)) for x, y in points]
+            return [(x, y, yaw) for (x, y), yaw in zip(points.tolist(), yaws.tolist(), strict=True)]
         half *= 0.7
     return None
 
@@ -232,50 +287,77 @@ _ROOM = (0.3, 0.12, 0.0)
 """What may be kept besides the clearance, so that corners can be rounded [m]."""
 _EARLIER = (0.0, 0.4, 0.8, 1.2)
 """How far before the last straight stretch the base may come in already [m]."""
+_FURTHER = (-0.5, 0.5)
+"""How much farther than to where there is room to turn the base may drive first [m]."""
 
 
 class _Floor:
     """The free space of the robot among the outlines of one request."""
 
     def __init__(self, request: BasePathRequest) -> None:
+        self.start, self.goal = request.start, request.goal
         self._layers = [(layer.outline, _outlines(request.obstacles, layer)) for layer in request.shape]
         self._clearance = min(_DOCK_CLEARANCE, request.clearance)
         discs = [(area, reach(outline)) for outline, areas in self._layers for area in areas.values()]
         self._spaces = [DiscSpace(discs, request.clearance + room) for room in _ROOM]
         self.space = self._spaces[-1]
 
-    def ways(self, start: Pose, goal: Pose) -> list[list[Point]] | NoMotion:
+    def ways(self) -> list[list[Point]] | NoMotion:
         """Returns ways from where there is room to turn to the goal, or why there is none.
 
         They are short, or have more room to round corners.
         """
         found, why = [], NoMotion("there is no way to the goal that is wide enough for the base")
         for space in reversed(self._spaces):
-            out, entries = self._out(start, space), self._entries(goal, space)
-            if space is self.space and out is None:
-                return NoMotion(f"the base cannot leave where it stands: {self.nearest(start)} is in the way")
+            outs, entries = self._outs(space), self._entries(space)
+            if space is self.space and not outs:
+                return NoMotion(f"the base cannot leave where it stands: {self._nearest(self.start)} is in the way")
             if space is self.space and not entries:
-                return NoMotion(f"the base cannot drive straight into its goal past {self.nearest(goal)}")
-            ways = (space.shortest(_xy(out), _xy(entry)) for entry in entries) if out is not None else ()
-            found += [[*way, _xy(goal)] for way in ways if way is not None]
+                return NoMotion(f"the base cannot drive straight into its goal past {self._nearest(self.goal)}")
+            for entry in entries:
+                way = space.shortest(outs[0], _xy(entry)) if outs else None
+                if way is not None:
+                    others = (out for out in outs[1:] if space.sees(out, way[1]))
+                    found += [[out, *way[1:], _xy(self.goal)] for out in (way[0], *others)]
         return found or why
 
-    def _out(self, start: Pose, space: DiscSpace) -> Pose | None:
-        """Returns where there is room to turn: straight behind the start, as if it stood in a dock, or else ahead."""
-        clearance = self._clearance_at(start)
-        behind = self._first_free(start, space, -1.0, 0.0, clearance)
-        return behind or self._first_free(start, space, 1.0, 0.0, clearance)
+    def _outs(self, space: DiscSpace) -> list[Point]:
+        """Returns where there is room to turn: straight behind the start, as if it stood in a dock, or else ahead.
 
-    def _entries(self, goal: Pose, space: DiscSpace) -> list[Pose]:
+        The first one is the nearest.
+        """
+        clearance = self._clearance_at(self.start)
+        nearest = self._first_free(self.start, space, -1.0, 0.0, clearance)
+        nearest = nearest or self._first_free(self.start, space, 1.0, 0.0, clearance)
+        further = (nearest @ Pose((way, 0.0, 0.0)) for way in _FURTHER) if nearest is not None else ()
+        free = (out for out in further if space.free(_xy(out)) and not self.touched(self.start, out, clearance))
+        return [_xy(out) for out in (nearest, *free) if out is not None]
+
+    def _entries(self, space: DiscSpace) -> list[Pose]:
         """Returns where the last straight stretch may begin: behind the goal, or at it if nothing behind is free."""
-        clearance = self._clearance_at(goal)
+        goal, clearance = self.goal, self._clearance_at(self.goal)
         run_up = self._first_free(goal, space, -1.0, _RUN_UP, clearance)
         if run_up is None:
             return [goal] if space.free(_xy(goal)) else []
         entries = [run_up @ Pose((-earlier, 0.0, 0.0)) for earlier in _EARLIER]
         return [entry for entry in entries if not self.touched(goal, entry, clearance)]
 
-    def nearest(self, pose: Pose) -> str:
+    def moved(self, way: Sequence[Point], number: int, step: float) -> Iterator[list[Point]]:
+        """Yields a way with one of its points moved; the first and the last but one stay in line with their docks."""
+        last = number == len(way) - 2
+        dock = self.start if number == 0 else self.goal if last else None
+        frame = Pose.of(*way[number], 0.0, yaw=(dock or self.goal).yaw)
+        for x, y in ((step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step))[: 2 if dock else 4]:
+            moved = frame @ Pose((x, y, 0.0))
+            beside = way[max(0, number - 1) : number + 1 + (not last)]
+            if not (self.space.free(_xy(moved)) and all(self.space.sees(_xy(moved), other) for other in beside)):
+                continue
+            if last and (self.goal.inverse() @ moved).position[0] > -_RUN_UP:
+                continue
+            if dock is None or not self.touched(dock, moved, self._clearance_at(dock)):
+                yield [*way[:number], _xy(moved), *way[number + 1 :]]
+
+    def _nearest(self, pose: Pose) -> str:
         """Returns the obstacle nearest to the robot at a pose."""
         return min(self._distances(pose), default=(0.0, ""))[1]
 

@@ -62,33 +62,32 @@ class Path(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class BaseLeg:
-    """Turn towards a point in the map (or away from it, to reverse), then drive to it.
+    """Turn towards a point in the map (or away from it, to reverse), then drive to it; or drive along a curve.
 
     Attributes:
         x, y: Where it ends [m].
-        backwards: Whether it is driven in reverse.
-        via: Points on the way [m], close together on a smooth curve; none for a straight leg.
+        backwards: Whether a straight leg is driven in reverse.
+        via: Points on the way [m] and the heading at each [rad], close together on a smooth curve; none for a straight
+            leg. Where the heading is against the way, the base reverses.
     """
 
     x: float
     y: float
     backwards: bool = False
-    via: tuple[tuple[float, float], ...] = ()
+    via: tuple[tuple[float, float, float], ...] = ()
 
     def heading(self, start: Pose) -> float:
         """Returns the heading in which it is begun from a pose [rad]."""
+        if self.via:
+            return self.via[0][2]
         x, y, _ = start.position
-        first_x, first_y = self.via[0] if self.via else (self.x, self.y)
-        return math.atan2(first_y - y, first_x - x) + (math.pi if self.backwards else 0.0)
+        return math.atan2(self.y - y, self.x - x) + (math.pi if self.backwards else 0.0)
 
-    def poses(self, start: Pose) -> list[Pose]:
-        """Returns the poses at its points, from an aligned start on, which is left out."""
-        found = []
-        for x, y in (*self.via, (self.x, self.y)):
-            ahead = BaseLeg(x, y, self.backwards).heading(start)
-            start = Pose.of(x, y, start.position[2], yaw=ahead)
-            found.append(start)
-        return found
+    def points(self, start: Pose) -> list[tuple[float, float, float]]:
+        """Returns its points [m] and the headings there [rad], with where it is begun from a pose and where it ends."""
+        x, y, _ = start.position
+        first = self.heading(start)
+        return [(x, y, first), *self.via, (self.x, self.y, self.via[-1][2] if self.via else first)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,11 +102,11 @@ class BasePath:
         yield 0.0, start
         here = start
         for number, leg in enumerate(self.legs):
-            aligned = Pose.of(*here.position, yaw=leg.heading(here))
-            yield from ((float(number), pose) for pose in _between(here, aligned, way, turn))
+            poses = [Pose.of(x, y, start.position[2], yaw=yaw) for x, y, yaw in leg.points(here)]
+            yield from ((float(number), pose) for pose in _between(here, poses[0], way, turn))
             stops = [
                 stop
-                for before, there in pairwise(_thinned([aligned, *leg.poses(aligned)], way, turn))
+                for before, there in pairwise(_thinned(poses, way, turn))
                 for stop in _between(before, there, way, turn)
             ]
             yield from ((number + step / len(stops), pose) for step, pose in enumerate(stops, start=1))

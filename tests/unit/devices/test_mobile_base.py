@@ -34,6 +34,10 @@ class Base:
     def speed(self) -> float:
         return self._linear
 
+    @property
+    def turning(self) -> float:
+        return self._angular
+
     def believed(self) -> Pose:
         angle = self._faded * math.pi / 2.0
         x, y, yaw = (math.cos(angle) * self._old + math.sin(angle) * self._new).tolist()
@@ -100,11 +104,27 @@ def test_a_base_comes_back_to_its_line_backwards_too() -> None:
 
 def test_a_curve_is_driven_without_a_stop() -> None:
     turns = np.linspace(0.0, math.pi / 2.0, 40)[1:].tolist()
-    *via, end = [(2.0 * math.sin(turn), 2.0 * (1.0 - math.cos(turn))) for turn in turns]
+    *via, end = [(2.0 * math.sin(turn), 2.0 * (1.0 - math.cos(turn)), turn) for turn in turns]
     base = Base(Pose(), np.random.default_rng(5))
 
-    speeds = [base.speed for _ in base.drive(BasePath((BaseLeg(*end, via=tuple(via)),), math.pi / 2.0))]
+    speeds = [base.speed for _ in base.drive(BasePath((BaseLeg(*end[:2], via=tuple(via)),), math.pi / 2.0))]
 
     under_way = speeds[speeds.index(max(speeds)) : -400]
     assert max(speeds) > 0.6
     assert min(under_way) > 0.3
+
+
+def test_a_base_that_comes_out_of_a_dock_turns_while_it_stops_and_drives_ahead() -> None:
+    dock = Obstacle("dock", Solid.box(0.6, 0.8, 0.5), Pose((0.78, 0.0, 0.0)))
+    goal = Pose.of(-4.0, 0.3, 0.0, yaw=math.pi)
+    path = BasePaths().plan(BasePathRequest(Pose(), goal, (Layer(FOOTPRINT),), (dock,)))
+    assert isinstance(path, BasePath)
+    base = Base(Pose(), np.random.default_rng(7))
+
+    seen = [(base.speed, base.turning) for _ in base.drive(path)]
+
+    assert min(speed for speed, _ in seen) < -0.2
+    turning_at_rest = [turning for speed, turning in seen if abs(speed) < 0.02 and abs(turning) > 0.5]
+    assert turning_at_rest
+    assert len(turning_at_rest) * PERIOD < 0.5
+    assert math.dist(base.believed().position[:2], goal.position[:2]) <= 0.005
