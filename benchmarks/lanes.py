@@ -1,4 +1,4 @@
-"""Lanes in which robots meet: generated scenes, and what happens in them, in physics.
+"""Lanes in which robots meet, narrow passages and docks: generated scenes, and what happens in them, in physics.
 
 Two rooms are connected by a lane that takes one robot at a time. Robots stand in it head on, and each wants to the
 room behind the other. Widths, lengths, distances, sideways offsets, headings, who is told first, and whether there is
@@ -13,12 +13,16 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import cycle, islice
 from pathlib import Path
 
 from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.simulation.truth import Truth
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.session import Options, Session
+from skiros_py.world import vocabulary as v
 
 WEST, EAST = -1.0, 1.0
 _HALL = 7.0
@@ -51,7 +55,7 @@ scene:floor a sk:Floor ; rdfs:label "floor" ; sk:pose "0 0 0 0 0 0"^^sk:poseLite
 """
 _WALL = """
 scene:wall_{number} a kitting:Rack ; rdfs:label "wall {number}" ; sk:on scene:floor ;
-    sk:pose "{x:.3f} {y:.3f} 0 0 0 0"^^sk:poseLiteral ;
+    sk:pose "{x:.3f} {y:.3f} 0 0 0 {yaw:.3f}"^^sk:poseLiteral ;
     sk:solid '[{{"kind": "box", "size": [{length:.3f}, {width:.3f}, 1.0], "at": [0, 0, 0.5]}}]'^^rdf:JSON .
 """
 _ROBOT = """
@@ -117,7 +121,7 @@ class Lane:
         walls += [(-half - west - 0.1, 0.0, 0.2, _HALL), (half + east + 0.1, 0.0, 0.2, _HALL)]
         text = _SCENE.format(length=2.0 * (half + max(self.rooms)) + 1.0, width=_HALL + 1.0)
         for number, (x, y, length, width) in enumerate(walls, start=1):
-            text += _WALL.format(number=number, x=x, y=y, length=length, width=width)
+            text += _WALL.format(number=number, x=x, y=y, yaw=0.0, length=length, width=width)
         for number, robot in enumerate(self.robots, start=1):
             room = west if robot.towards == WEST else east
             facing = 0.0 if robot.towards == EAST else math.pi
@@ -218,6 +222,106 @@ def _meet(session: Session, lane: Lane, disturb: Callable[[Session, float], None
     stood = 0.0 if not waits else min(ends, default=float("inf")) - waits[0]
     touches = sorted({f"{link} - {body}" for link, body in truth.worst if body != "floor"})
     return Meeting(stood, outcomes, tuple(gave_way), now - begin, tuple(touches))
+
+
+_SPARE = 0.1
+"""By how much passages are wider than the robot [m]."""
+_WIDTH = 0.56
+"""Width of the robot [m]."""
+_ENDLESS = 12.0
+"""Length of the walls beside a passage: there is no way around them [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Passing:
+    """A drive through a passage.
+
+    Attributes:
+        seed: Seed of the scene and of the run.
+        outcome: How it ended; None if it has not.
+        touches: What touched which bodies.
+    """
+
+    seed: int
+    outcome: Outcome | None
+    touches: tuple[str, ...]
+
+
+def passage(seed: int) -> str:
+    """Returns a scene, as Turtle: a passage between two walls, 0.1 m wider than the robot, between it and its goal.
+
+    Thickness, place and direction of the walls, and where robot and goal are, depend on the seed.
+    """
+    chance = random.Random(seed)  # noqa: S311
+    thick, turned, beside = chance.uniform(0.1, 1.5), chance.uniform(-0.6, 0.6), chance.uniform(-0.8, 0.8)
+    x, y = chance.uniform(2.2, 3.0), chance.uniform(-0.5, 0.5)
+    away = (_WIDTH + _SPARE + _ENDLESS) / 2.0
+    text = _SCENE.format(length=2.0 * _ENDLESS, width=2.0 * _ENDLESS)
+    for number, sign in enumerate((-1.0, 1.0), start=1):
+        at = x - sign * away * math.sin(turned), y + sign * away * math.cos(turned)
+        text += _WALL.format(number=number, x=at[0], y=at[1], yaw=turned, length=thick, width=_ENDLESS)
+    goal = x + chance.uniform(2.2, 3.0), y + beside
+    return text + _ROBOT.format(
+        number=1, x=0.0, y=0.0, yaw=chance.uniform(-1.0, 1.0), goal_x=goal[0], goal_y=goal[1],
+        goal_yaw=chance.uniform(-0.8, 0.8),
+    )  # fmt: skip
+
+
+def pass_through(seed: int) -> Passing:
+    """Lets a robot drive through the passage of a seed, in physics."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / "passage.ttl"
+        scene.write_text(passage(seed), encoding="utf-8")
+        with Session(str(scene), Options(seed=seed)) as session:
+            truth = Truth(session.simulation)
+            outcome = _drive(session, "goal_1", truth.watch)
+            touches = sorted({f"{link} - {body}" for link, body in truth.worst if body != "floor"})
+            return Passing(seed, outcome, tuple(touches))
+
+
+def pass_all(seeds: Sequence[int]) -> list[Passing]:
+    """Lets a robot drive through the passage of each seed, and says how it went."""
+    found = []
+    for passing in map(pass_through, seeds):
+        said = passing.outcome.reason if isinstance(passing.outcome, Failure) else "through"
+        touches = ", ".join(passing.touches) or "nothing"
+        print(f"passage {passing.seed}: {said}, touched {touches}", file=sys.stderr, flush=True)
+        found.append(passing)
+    return found
+
+
+def dock_all(drives: int, seed: int) -> list[tuple[float, float] | None]:
+    """Lets the robot of the kitting scene drive from dock to dock.
+
+    Args:
+        drives: How often.
+        seed: Seed of the run.
+
+    Returns:
+        For each drive how far its pose as localised is from the driving pose [m, rad]; None where the drive failed.
+    """
+    found: list[tuple[float, float] | None] = []
+    with Session("kitting", Options(seed=seed)) as session:
+        context = session.runtime.context
+        base = context.cell.group_of("base_1")
+        for place in islice(cycle(("pallet_a", "kit_1", "pallet_b", "pallet_a", "pallet_b", "kit_1")), drives):
+            there, driving = map_pose(context, place), context.world.value(place, v.DRIVING_POSE)
+            if isinstance(_drive(session, place), Success) and there is not None and isinstance(driving, Pose):
+                goal, here = there @ driving, base.pose(context.board.snapshot, context.board.guard)
+                found.append((goal.distance(here), abs(wrap_angle(goal.yaw - here.yaw))))
+            else:
+                found.append(None)
+    return found
+
+
+def _drive(session: Session, location: str, watch: Callable[[], None] = lambda: None) -> Outcome | None:
+    """Drives to a location; returns the outcome, or None if it takes too long."""
+    begin = session.cycle.board.snapshot.time
+    running = session.start_module("drive", {"Location": location}, "base_1")
+    while not running.done and session.cycle.board.snapshot.time - begin < _LONGEST:
+        session.cycle.step()
+        watch()
+    return running.result if running.done else None
 
 
 def meet_all(seeds: Sequence[int]) -> list[Meeting]:

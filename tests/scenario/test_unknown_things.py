@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from skiros_primitives.contact import believe_obstacle
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.truth import Truth
@@ -60,6 +61,17 @@ def test_a_thing_that_stands_beside_a_part_is_seen_by_the_camera_and_not_touched
     assert max(forces) == 0.0
     assert any(isinstance(pose, Pose) and math.dist(pose.position[:2], (x + 0.11, y + 0.05)) < 0.05 for pose in seen)
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
+def test_a_thing_that_was_seen_and_taken_away_is_forgotten(open_session: Callable[..., Session]) -> None:
+    session = open_session("kitting", seed=1)
+    there = Pose((2.6, 1.5, 0.0))
+    believe_obstacle(session.world, "test", there, (0.4, 0.4, 0.6), "seen before")
+
+    report = session.run(["RobotAtLocation(robot_1, pallet_a)"])
+
+    assert report.reached
+    assert not session.world.instances(v.OBSTACLE)
 
 
 def test_a_base_that_meets_what_it_cannot_see_moves_back_and_says_so(open_session: Callable[..., Session]) -> None:

@@ -8,19 +8,20 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
+import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.floor_obstacles import driving
-from skiros_primitives.lookout import Lookout, believe_seen
+from skiros_primitives.lookout import Lookout, believe_seen, forget
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.geometry import Array, Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinematics import Dynamics, Kinematics
+from skiros_py.ports.kinematics import BASE_JOINTS, Dynamics, JointMotion, Kinematics
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import Layer, Outline, Path, reach
 from skiros_py.skills.context import RunContext, Way
@@ -34,37 +35,56 @@ _PATIENCE = 60.0
 """Longest time without progress on the path [s]."""
 
 
-_PUSH = 70.0
-"""Force of the drives beyond what speeding up needs from which the base has met something [N]."""
-_PUSHES = 3
+_PUSH = 40.0
+"""What the drives exert beyond what speeding up needs, from which the base has met something [N, N m]."""
+_PUSHES = 2
 """Number of cycles in a row in which it is felt."""
 
 
 class Bumper:
-    """Feels in the force of its drives whether a base pushes something; to be asked once per cycle.
+    """Feels in what its drives exert whether a base pushes something; to be asked once per cycle.
 
     Args:
         context: The run.
-        base: The base; if its state has no ``force``, or the mass of its robot is unknown, nothing is felt.
+        base: The base; if its state has no ``force`` and ``torque``, or the mass of its robot is unknown, nothing is
+            felt.
     """
 
     def __init__(self, context: RunContext, base: Mobile) -> None:
         dynamics = context.ports.find(Dynamics, base.id)
-        self._mass = dynamics.mass if dynamics is not None else None
+        self._inertia = _inertia(dynamics) if dynamics is not None else None
         self._base = base
         self._period = context.board.period
-        self._before = getattr(base.state, "linear", 0.0)
+        self._before = self._read()[1]
         self._pushes = 0
 
     def felt(self) -> bool:
         """Returns True when the base has pushed something for some cycles."""
-        state, force = self._base.state, getattr(self._base.state, "force", None)
-        if force is None or self._mass is None:
+        exerted, speeds = self._read()
+        if self._inertia is None or exerted is None:
             return False
-        needed = self._mass * (state.linear - self._before) / self._period
-        self._before = state.linear
-        self._pushes = self._pushes + 1 if abs(force - needed) > _PUSH else 0
+        needed = self._inertia * (speeds - self._before) / self._period
+        self._before = speeds
+        self._pushes = self._pushes + 1 if (np.abs(exerted - needed) > _PUSH).any() else 0
         return self._pushes >= _PUSHES
+
+    def _read(self) -> tuple[Array | None, Array]:
+        """Returns force and moment, None where they are not measured; and the speeds ahead and around."""
+        exerted, speeds = (
+            [getattr(self._base.state, name, None) for name in names]
+            for names in (("force", "torque"), ("linear", "angular"))
+        )
+        return None if None in exerted else np.array(exerted), np.array([speed or 0.0 for speed in speeds])
+
+
+def _inertia(dynamics: Dynamics) -> Array:
+    """Returns the mass of a robot [kg] and its moment of inertia around its base [kg m²]."""
+    zero, one = np.zeros(1), np.ones(1)
+    return np.array([dynamics.mass, *dynamics.efforts(JointMotion(BASE_JOINTS[2:], zero, zero, one))])
+
+
+_TURNING = 0.02
+"""Speed up to which a base only turns [m/s]."""
 
 
 class DrivingPrimitive(Primitive[Any]):
@@ -82,7 +102,8 @@ class DrivingPrimitive(Primitive[Any]):
         return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot, self.context.board.guard)
 
     bumped = 0.0
-    """Where the base met something, for which the last drive was broken off: 1 ahead, -1 behind; 0 for nothing."""
+    """Where the base met something, for which the last drive was broken off: 1 ahead, -1 behind; 0 for nowhere, or
+    where it only turned."""
     seen: Sequence[str] = ()
     """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
 
@@ -143,12 +164,15 @@ class DrivingPrimitive(Primitive[Any]):
             base.command(target)
             yield
             if bumper.felt():
-                self.bumped = math.copysign(1.0, getattr(target, "linear", 1.0))
+                ahead = getattr(target, "linear", 1.0)
+                self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
                 return driven
             if lookout is not None and lookout.is_blocked():
                 yield from self.stand(base)
                 self.seen = believe_seen(self.world, self.name, lookout.strange)
                 return driven
+            if lookout is not None and (gone := lookout.gone()):
+                forget(self.world, self.name, gone)
         yield from self.stand(base)
         return None
 
@@ -207,6 +231,8 @@ class DriveBase(DrivingPrimitive):
 
     _shape: tuple[Layer, ...] = ()
     _waits_for = ""
+    _met: Sequence[str] = ()
+    """Ids of obstacles that the base has met."""
     _in_use = 0.0
     """When something last ran on every robot that blocks the path [s]."""
 
@@ -243,7 +269,8 @@ class DriveBase(DrivingPrimitive):
             self.leave(Message("drives off"))
         yield  # the way was asked for in this cycle, which takes some milliseconds, too
         robot = self.context.cell.group_of(self.params.base)
-        lookout = Lookout(self.context, robot, self._shape, self.pose, path, obstacles(self.context, parts=True))
+        known = obstacles(self.context, parts=True)
+        lookout = Lookout(self.context, robot, self._shape, self.pose, path, known, self._met)
         stuck = yield from self.drive(base, path, way, lookout=lookout)
         if stuck is None:
             return self._arrived(self.pose, goal)
@@ -261,7 +288,8 @@ class DriveBase(DrivingPrimitive):
         edge = max(ahead * x for x, _ in self._spec().footprint)
         x, y, _ = (self.pose @ Pose((ahead * (edge + _BLOCK[0] / 2.0), 0.0, 0.0))).position
         reason = Message("{base} met something", base=self.params.base)
-        believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=self.pose.yaw), _BLOCK, reason)
+        met = believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=self.pose.yaw), _BLOCK, reason)
+        self._met = (*self._met, met)
         self.emit("contact", {"device": self.params.base})
         retreat = base.direct_path(self.pose, self.pose @ Pose((-ahead * _RETREAT, 0.0, 0.0)))
         follower, deadline = base.follow(retreat, lambda: self.pose, max_linear=_SLOWLY), self.context.now + 5.0

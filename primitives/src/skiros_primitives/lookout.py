@@ -19,6 +19,7 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.paths import TALLEST, Layer, Path, floor_area, swept
 from skiros_py.skills.context import RunContext
+from skiros_py.world import vocabulary as v
 from skiros_py.world.world import World
 
 _FLOOR = 0.05
@@ -34,6 +35,10 @@ _AHEAD = 2.2
 _FEWEST = 3
 """Number of points of the last scans that make a thing."""
 _SCANS = 5
+_THROUGH = 8
+"""Number of rays that go through the foot of an obstacle until it is forgotten."""
+_CORE, _FOOT = 0.6, 0.1
+"""Share of its length and width, and its height [m], that count as its foot."""
 _BESIDE = 0.25
 """Points closer than this to each other belong to one thing [m]: about twice the distance between rays that far off."""
 _AROUND = 0.15
@@ -57,6 +62,7 @@ class Lookout:
         start: Where it stands.
         path: Its path.
         known: What is believed to stand around.
+        met: Ids of obstacles that the base has met in this drive: what it did not see before, it does not see now.
     """
 
     def __init__(
@@ -67,6 +73,7 @@ class Lookout:
         start: Pose,
         path: Path,
         known: Sequence[Obstacle],
+        met: Sequence[str] = (),
     ) -> None:
         self._context = context
         self._robot = robot
@@ -78,6 +85,10 @@ class Lookout:
         self._scans = {spec.id: self._scan(spec).number for spec in robot.of(ScannerSpec)}
         self.strange: Array = np.empty((0, 3))
         self._seen: list[Array] = []
+        world = context.world
+        on_floor = (one for one in known if one.pose.position[2] < _FLOOR and one.id not in met)
+        doubted = (one for one in on_floor if world.ontology.is_a(world.element(one.id).type, v.OBSTACLE))
+        self._doubted = dict.fromkeys(doubted, 0.0)
 
     def is_blocked(self) -> bool:
         """Returns True when a new scan shows something in the way; to be asked once per cycle."""
@@ -88,7 +99,9 @@ class Lookout:
             self._scans[spec.id] = scan.number
             scanner = self._context.frames.at(self._context.board.snapshot).located(spec.id)
             points = np.reshape(scan.points, (-1, 3))
-            points = scanner.apply(points[np.hypot(*points[:, :2].T) < _NEAR])
+            points = scanner.apply(points)
+            self._doubt(scanner, points)
+            points = points[np.hypot(*(points[:, :2] - scanner.position[:2]).T) < _NEAR]
             points = unexplained(points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)], self._known)
             points = points[~shapely.contains_xy(self._others(), points[:, :2])]
             self._seen = [*self._seen[1 - _SCANS :], points]
@@ -96,6 +109,25 @@ class Lookout:
             if self._in_the_way(self.strange) >= _FEWEST:
                 return True
         return False
+
+    def gone(self) -> list[str]:
+        """Returns the ids of obstacles whose places the scans have seen through; each is returned once."""
+        found = [obstacle for obstacle, through in self._doubted.items() if through >= _THROUGH]
+        for obstacle in found:
+            del self._doubted[obstacle]
+        return [obstacle.id for obstacle in found]
+
+    def _doubt(self, scanner: Pose, points: Array) -> None:
+        """Counts the rays of a scan that went through the foot of each obstacle; one that ends in it clears it."""
+        for obstacle in self._doubted:
+            for block in obstacle.solid.primitives:
+                to_block = (obstacle.pose @ block.pose).inverse()
+                start, ends, half = to_block.apply(np.array(scanner.position)), to_block.apply(points), _half(block)
+                inside = (np.abs(ends) < half + _EXPLAINED).all(axis=1) & (points[:, 2] > _FLOOR)
+                foot = _CORE * half[0], _CORE * half[1], _FOOT / 2.0
+                rise = (0.0, 0.0, foot[2] - half[2])
+                through = float(_crossed(start - rise, ends - rise, np.array(foot)).sum())
+                self._doubted[obstacle] += -math.inf if inside.any() else through
 
     def _scan(self, spec: ScannerSpec) -> ScannerState:
         return self._context.board.snapshot.state(spec.id, ScannerState)
@@ -114,6 +146,13 @@ class Lookout:
             level = (near[:, 2] >= layer.bottom) & (near[:, 2] <= layer.top)
             inside |= level & shapely.contains_xy(way, near[:, :2])
         return int(inside.sum())
+
+
+def forget(world: World, author: str, obstacles: Sequence[str]) -> None:
+    """Removes obstacles that are not there any more."""
+    with world.transaction(author=author, reason=Message("a scanner sees through its place")) as tx:
+        for obstacle in obstacles:
+            tx.remove(obstacle)
 
 
 def unexplained(points: Array, known: Sequence[Obstacle], *, on_top: float = _ON_TOP) -> Array:
@@ -185,8 +224,23 @@ def _distances(points: Array, pose: Pose, block: Primitive, on_top: float) -> Ar
 
     A cylinder counts as the box around it.
     """
-    x, y, z = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
+    half = _half(block)
     local = pose.inverse().apply(points)
-    local[:, 2] = np.minimum(local[:, 2], np.maximum(z / 2.0, local[:, 2] - on_top))
-    outside = np.abs(local) - np.array((x, y, z)) / 2.0
+    local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - on_top))
+    outside = np.abs(local) - half
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
+
+
+def _half(block: Primitive) -> Array:
+    """Returns half of the size of the box around a block [m]."""
+    size = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
+    return np.array(size) / 2.0
+
+
+def _crossed(start: Array, ends: Array, half: Array) -> Array:
+    """Returns which rays from a start to some ends come into a box around the origin, shape (n,)."""
+    way = ends - start
+    way = np.where(np.abs(way) < 1e-9, 1e-9, way)
+    sides = np.stack([(-half - start) / way, (half - start) / way])
+    enters, leaves = sides.min(axis=0).max(axis=1), sides.max(axis=0).min(axis=1)
+    return np.asarray((enters < leaves) & (leaves > 0.0) & (enters < 1.0))

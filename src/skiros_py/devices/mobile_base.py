@@ -51,6 +51,7 @@ class BaseState:
         angular: Turning speed, counter-clockwise [rad/s].
         still: True when the base stands.
         force: Forward force of its drives [N]; None where it is not measured.
+        torque: What they exert to turn it, counter-clockwise [N m]; None where it is not measured.
     """
 
     pose: Pose
@@ -58,6 +59,7 @@ class BaseState:
     angular: float
     still: bool
     force: float | None = None
+    torque: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +93,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         DeviceSignal("linear", lambda state: state.linear, "m/s", "forward speed", "own"),
         DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
         DeviceSignal("force", lambda state: state.force or 0.0, "N", "forward force of the drives", "own"),
+        DeviceSignal("torque", lambda state: state.torque or 0.0, "N m", "turning moment of the drives", "own"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
     )
     jog: ClassVar[tuple[str, ...]] = ("jog_base",)
@@ -212,7 +215,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
 
 _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
-_SHARE = 0.93
+_SHARE = 0.95
 """Share of each limit that is planned with; the rest is left for corrections."""
 _BLIND = 0.3
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
@@ -389,13 +392,13 @@ class SimulatedBase:
 
     def state(self) -> BaseState:
         """Reads the speeds and adds them to the odometry; to be called once per cycle."""
-        (_, _, yaw), (vx, vy, angular), (fx, fy, _) = self._plane.read()
+        (_, _, yaw), (vx, vy, angular), (fx, fy, torque) = self._plane.read()
         linear = vx * math.cos(yaw) + vy * math.sin(yaw)
         force = fx * math.cos(yaw) + fy * math.sin(yaw)
         self._measured = linear
         still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
         self._odometry @= _step(linear * self._period, angular * self._period)
-        return BaseState(self._odometry, linear, angular, still, force)
+        return BaseState(self._odometry, linear, angular, still, force, torque)
 
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec

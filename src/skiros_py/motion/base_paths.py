@@ -5,8 +5,8 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -63,12 +63,18 @@ class DiscSpace:
         """Returns True when it touches nothing on the straight line between two points [m]."""
         return not shapely.intersects(self._closed, shapely.LineString([start, goal]))
 
-    def shortest(self, start: Point, goal: Point) -> list[Point] | None:
+    def shortest(self, start: Point, goal: Point, gates: Sequence[tuple[Point, Point]] = ()) -> list[Point] | None:
         """Returns the way points from start to goal, both included, or None: there is no way.
 
         It is the shortest way through the corners of the obstacles, where each turn counts as 0.3 m more.
+
+        Args:
+            start: Where it begins [m].
+            goal: Where it ends [m].
+            gates: Ends of straight ways that are free besides, although there is no room to turn.
         """
-        nodes = np.vstack([start, goal, self._corners])
+        ends = np.reshape(gates, (-1, 2))
+        nodes = np.vstack([start, goal, ends, self._corners])
         rest = np.hypot(*(nodes - nodes[1]).T)
         length = np.full(len(nodes), np.inf)
         length[0] = 0.0
@@ -81,7 +87,8 @@ class DiscSpace:
             if closed[here]:
                 continue
             closed[here] = True
-            for there in self._seen_from(nodes, here, ~closed):
+            through_gate = [2 + (here - 2 ^ 1)] if 2 <= here < 2 + len(ends) else []
+            for there in (*self._seen_from(nodes, here, ~closed), *through_gate):
                 through = length[here] + math.dist(nodes[here], nodes[there]) + (_TURN if there != 1 else 0.0)
                 if through < length[there] - 1e-9:
                     length[there], parent[there] = through, here
@@ -135,8 +142,20 @@ class BasePaths:
         found = floor.ways()
         if isinstance(found, NoMotion):
             return found
+        if not found:
+            return NoMotion(f"there is no way to the goal that is wide enough for the base{_without(request)}")
         fastest = sorted((_driven(way, floor) for way in found), key=lambda one: one.duration)[:_BEST]
         return min((_tightened(one, floor) for one in fastest), key=lambda one: one.duration).path
+
+
+def _without(request: BasePathRequest) -> str:
+    """Returns in words which single obstacles are to blame, the smallest first: without it there would be a way."""
+    areas = _outlines(request.obstacles, Layer((), 0.0))
+    names = sorted(areas, key=lambda name: float(areas[name].area))
+    without = {name: tuple(one for one in request.obstacles if one.id != name) for name in names}
+    ways = {name: _Floor(replace(request, obstacles=without[name])).ways() for name in names}
+    blamed = [name for name, found in ways.items() if found and not isinstance(found, NoMotion)]
+    return f"; without {' or '.join(blamed)} there would be one" if blamed else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,29 +316,53 @@ class _Floor:
     def __init__(self, request: BasePathRequest) -> None:
         self.start, self.goal = request.start, request.goal
         self._layers = [(layer.outline, _outlines(request.obstacles, layer)) for layer in request.shape]
-        self._clearance = min(_DOCK_CLEARANCE, request.clearance)
+        self._open, self._clearance = request.clearance, min(_DOCK_CLEARANCE, request.clearance)
         discs = [(area, reach(outline)) for outline, areas in self._layers for area in areas.values()]
         self._spaces = [DiscSpace(discs, request.clearance + room) for room in _ROOM]
         self.space = self._spaces[-1]
 
     def ways(self) -> list[list[Point]] | NoMotion:
-        """Returns ways from where there is room to turn to the goal, or why there is none.
+        """Returns ways from where there is room to turn to the goal, perhaps none; or why it cannot begin or end there.
 
         They are short, or have more room to round corners.
         """
-        found, why = [], NoMotion("there is no way to the goal that is wide enough for the base")
+        found = []
+        gates = self._gates()
         for space in reversed(self._spaces):
             outs, entries = self._outs(space), self._entries(space)
             if space is self.space and not outs:
                 return NoMotion(f"the base cannot leave where it stands: {self._nearest(self.start)} is in the way")
             if space is self.space and not entries:
-                return NoMotion(f"the base cannot drive straight into its goal past {self._nearest(self.goal)}")
+                return NoMotion(
+                    f"the base cannot drive straight into its goal: {self._before(self.goal)} is in the way"
+                )
             for entry in entries:
-                way = space.shortest(outs[0], _xy(entry)) if outs else None
+                way = space.shortest(outs[0], _xy(entry), gates) if outs else None
                 if way is not None:
                     others = (out for out in outs[1:] if space.sees(out, way[1]))
                     found += [[out, *way[1:], _xy(self.goal)] for out in (way[0], *others)]
-        return found or why
+        return found
+
+    def _gates(self) -> list[tuple[Point, Point]]:
+        """Returns the ends of straight ways between two obstacles, where there is room to turn again."""
+        found = []
+        turning = 2.0 * (max(reach(outline) for outline, _ in self._layers) + self._open)
+        things = [area for _, areas in self._layers for whole in areas.values() for area in shapely.get_parts(whole)]
+        for one, other in combinations(things, 2):
+            if 0.0 < one.distance(other) < turning:
+                (x0, y0), (x1, y1) = shapely.get_coordinates(shapely.shortest_line(one, other)).tolist()
+                middle = Pose.of((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0, yaw=math.atan2(x0 - x1, y1 - y0))
+                ends = [self._gate_end(middle, sign) for sign in (-1.0, 1.0)]
+                if ends[0] is not None and ends[1] is not None:
+                    found.append((ends[0], ends[1]))
+        return found
+
+    def _gate_end(self, middle: Pose, sign: float) -> Point | None:
+        """Returns where there is room to turn straight ahead of the middle of a gate, or behind it."""
+        free = self._first_free(middle, self.space, sign, 0.0, self._clearance)
+        further = free @ Pose((sign * _RUN_UP, 0.0, 0.0)) if free is not None else None
+        found = [pose for pose in (further, free) if pose is not None and self.space.free(_xy(pose))]
+        return _xy(found[0]) if found else None
 
     def _outs(self, space: DiscSpace) -> list[Point]:
         """Returns where there is room to turn: straight behind the start, as if it stood in a dock, or else ahead.
@@ -356,6 +399,12 @@ class _Floor:
                 continue
             if dock is None or not self.touched(dock, moved, self._clearance_at(dock)):
                 yield [*way[:number], _xy(moved), *way[number + 1 :]]
+
+    def _before(self, dock: Pose) -> str:
+        """Returns the first obstacle behind a dock, from where the base comes; or else the nearest one."""
+        poses = (dock @ Pose((-step * _STEP, 0.0, 0.0)) for step in range(math.ceil(_FARTHEST / _STEP)))
+        touched = (self.touched(dock, pose, self._clearance_at(dock)) for pose in poses)
+        return next(filter(None, touched), self._nearest(dock))
 
     def _nearest(self, pose: Pose) -> str:
         """Returns the obstacle nearest to the robot at a pose."""

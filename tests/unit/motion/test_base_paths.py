@@ -17,7 +17,7 @@ from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
 from skiros_py.motion.adapters import WorkerPlanner, base_paths
 from skiros_py.motion.base_paths import BasePaths
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
-from skiros_py.ports.paths import BasePath, Layer, floor_area
+from skiros_py.ports.paths import BasePath, Layer, floor_area, placed
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 HALF_TABLE, DOCK = 0.30, 0.30 + 0.26 + 0.22  # middle of the table to the base docked at it [m]
@@ -155,6 +155,23 @@ def test_what_sticks_out_above_the_floor_is_kept_from_what_is_as_high() -> None:
     assert "touch bench" in answers[1].reason
 
 
+@pytest.mark.parametrize(("length", "yaw"), [(0.2, 0.0), (0.8, 0.4), (1.5, -0.7)])
+def test_a_passage_that_is_0_1_m_wider_than_the_base_is_driven_straight(length: float, yaw: float) -> None:
+    middle, side = Pose.of(2.5, 0.4, 0.0, yaw=yaw), 4.0
+    walls = tuple(
+        Obstacle(f"wall_{k}", Solid.box(length, side, 1.0), middle @ Pose((0.0, sign * (0.33 + side / 2.0), 0.0)))
+        for k, sign in enumerate((-1.0, 1.0))
+    )
+    start, goal = Pose(), Pose.of(5.0, 0.5, 0.0, yaw=0.5)
+
+    path = path_of(planned(start, goal, *walls))
+
+    driven = list(poses_on(path, start))
+    room = min(placed(FOOTPRINT, pose).distance(floor_area(o.solid, o.pose)) for pose in driven for o in walls)
+    assert room > 0.04
+    assert max(pose.distance(Pose()) for pose in driven) < 6.0
+
+
 def test_a_base_at_its_goal_does_not_move() -> None:
     path = path_of(planned(Pose(), Pose.of(0.003, 0.0, 0.0, yaw=math.radians(0.3))))
 
@@ -188,6 +205,32 @@ def test_a_goal_behind_walls_is_refused() -> None:
 
     assert isinstance(answer, NoMotion)
     assert "no way" in answer.reason
+
+
+def test_the_obstacle_before_a_dock_is_named_and_not_what_the_base_docks_at() -> None:
+    bench, crate = table("bench", 4.0, 0.0, 0.0), Obstacle("crate", Solid.box(0.3, 0.3, 0.5), Pose((2.2, 0.0, 0.0)))
+
+    answer = planned(Pose(), dock(bench), bench, crate)
+
+    assert isinstance(answer, NoMotion)
+    assert "crate is in the way" in answer.reason
+    assert "bench" not in answer.reason
+
+
+def test_the_single_obstacle_that_closes_a_way_is_named() -> None:
+    walls = [
+        Obstacle(f"wall{k}", Solid.box(0.2, 6.0, 1.0), Pose((2.0, sign * 3.8, 0.0))) for k, sign in enumerate((-1, 1))
+    ]
+    ends = [
+        Obstacle(f"end{k}", Solid.box(12.0, 0.2, 1.0), Pose((2.0, sign * 6.9, 0.0))) for k, sign in enumerate((-1, 1))
+    ]
+    back = [Obstacle(f"back{k}", Solid.box(0.2, 14.0, 1.0), Pose((x, 0.0, 0.0))) for k, x in enumerate((-4.0, 8.0))]
+    post = Obstacle("post", Solid.box(0.2, 0.9, 1.0), Pose((2.0, 0.0, 0.0)))
+
+    answer = planned(Pose(), Pose((4.5, 0.0, 0.0)), *walls, *ends, *back, post)
+
+    assert isinstance(answer, NoMotion)
+    assert "without post or" in answer.reason
 
 
 def test_an_enclosed_base_is_refused_with_the_blocking_obstacles() -> None:

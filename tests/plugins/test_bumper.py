@@ -1,0 +1,59 @@
+"""A base feels in what its drives exert that it pushes something."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skiros_primitives.driving import Bumper
+from skiros_py.devices.mobile_base import BaseState
+from skiros_py.geometry import Array, Pose
+from skiros_py.ports.kinematics import JointMotion
+
+MASS, INERTIA, PERIOD = 100.0, 9.0, 0.005
+
+
+class Robot:
+    """What Bumper asks for: the masses of a robot, the control period and the state of a base."""
+
+    mass = MASS
+    id = "base"
+
+    def __init__(self) -> None:
+        self.board = SimpleNamespace(period=PERIOD)
+        self.ports = SimpleNamespace(find=lambda _protocol, _device: self)
+        self.state = BaseState(Pose(), 0.0, 0.0, still=True, force=0.0, torque=0.0)
+
+    def efforts(self, motion: JointMotion) -> Array:
+        return INERTIA * motion.accelerations
+
+    def felt(self, ahead: float, around: float, *, force: float = 0.0, torque: float = 0.0) -> bool:
+        """Speeds up at some rates for half a second, while something resists with a force and a moment."""
+        context: Any = self
+        bumper, felt = Bumper(context, context), False
+        for step in np.arange(1, 101) * PERIOD:
+            exerted = MASS * ahead + force, INERTIA * around + torque
+            self.state = BaseState(Pose(), float(step * ahead), float(step * around), False, *exerted)
+            felt = bumper.felt() or felt
+        return felt
+
+
+def test_speeding_up_is_no_contact() -> None:
+    assert not Robot().felt(0.5, 1.5)
+
+
+@pytest.mark.parametrize(("force", "torque"), [(60.0, 0.0), (-60.0, 0.0), (0.0, 60.0), (0.0, -60.0)])
+def test_what_resists_driving_or_turning_is_felt(force: float, torque: float) -> None:
+    assert Robot().felt(0.5, 1.5, force=force, torque=torque)
+    assert Robot().felt(0.0, 0.0, force=force, torque=torque)
+
+
+def test_a_base_that_measures_no_force_feels_nothing() -> None:
+    robot = Robot()
+    context: Any = robot
+    robot.state = BaseState(Pose(), 0.0, 0.0, still=True)
+
+    assert not Bumper(context, context).felt()
