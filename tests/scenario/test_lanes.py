@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from lanes import EAST, WEST, Lane, Traveller, head_on, meet
+from lanes import EAST, WEST, Lane, Traveller, head_on, meet, pass_through
 
 from skiros_py.skills.outcome import OBSTRUCTED, Failure, Success
 from skiros_py.station.session import Session
@@ -58,3 +58,10 @@ def test_if_the_robot_that_gives_way_is_stopped_the_other_one_reports_it() -> No
     assert isinstance(met.outcomes[0], Failure)
     assert met.outcomes[0].values["blocked_by"] == ["robot_2"]
     assert met.lasted - stopped[0] <= 12.0
+
+
+def test_a_robot_drives_through_a_passage_in_which_it_cannot_turn_without_touching_it() -> None:
+    passing = pass_through(1)
+
+    assert isinstance(passing.outcome, Success)
+    assert passing.touches == ()
