@@ -24,7 +24,7 @@ from skiros_py.ports.kinematics import InverseKinematics, Kinematics
 LOG = Path(__file__).with_suffix(".log")
 
 
-class Transposed:
+class Transposed(InverseKinematics):
     '''Damped least squares on the error of the pose, with the robot's own Jacobian.'''
 
     def __init__(self, request):

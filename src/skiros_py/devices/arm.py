@@ -61,6 +61,7 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
         joints: Joint names in the robot's URDF, in the order of every vector about this arm.
         tip: URDF link that motions are planned for (the tool centre point).
         home: Joint angles [rad] in which it starts and travels.
+        accelerations: Greatest joint accelerations [rad/s²]; empty where they are not known.
     """
 
     kind: ClassVar[str] = "arm"
@@ -79,15 +80,20 @@ class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
     joints: tuple[str, ...]
     tip: str
     home: tuple[float, ...]
+    accelerations: tuple[float, ...] = ()
 
     @classmethod
     def read(cls, individual: Individual) -> Self:
-        """Reads ``sk:joints``, ``sk:tip`` and ``sk:home``."""
+        """Reads ``sk:joints``, ``sk:tip``, ``sk:home`` and, where there are any, ``sk:maxJointAccelerations``."""
         joints = tuple(individual.text("sk:joints").split())
         home = individual.vector("sk:home")
         if len(home) != len(joints):
             raise DescriptionError(f"{individual.id}: sk:home has {len(home)} angles for {len(joints)} joints")
-        return cls(individual.id, joints, individual.text("sk:tip"), home)
+        accelerations = individual.vector("sk:maxJointAccelerations", default=())
+        if accelerations and (len(accelerations) != len(joints) or min(accelerations) <= 0.0):
+            needed = f"takes a positive number for each of {len(joints)} joints, not {accelerations}"
+            raise DescriptionError(f"{individual.id}: sk:maxJointAccelerations {needed}")
+        return cls(individual.id, joints, individual.text("sk:tip"), home, accelerations)
 
     def fake(self, robot: FakeRobot) -> FakeModel[ArmState, ArmTarget]:  # noqa: ARG002 - it is there at once
         """Returns an arm that reaches its targets within the cycle."""

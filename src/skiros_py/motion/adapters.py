@@ -13,7 +13,7 @@ from skiros_py.ports.adapters import Adapter, Request
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.kinematics import Dynamics, InverseKinematics, Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePlanner
+from skiros_py.ports.motion import ArmPlanner, BasePlanner, SamplingPlanner
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
 
@@ -84,6 +84,27 @@ def _inverse_kinematics(request: Request) -> object:
     return IkSolver(arm_model(request.groups[0], request.device))
 
 
+def _rrt_connect(request: Request) -> object:
+    """Returns RRT-Connect of roboplan; in Python where that is not installed."""
+    from skiros_py.motion.sampling import RrtConnect
+
+    if find_spec("roboplan") is None:
+        return RrtConnect()
+    from skiros_py.motion.pinocchio.roboplan import RoboplanRrt
+
+    assert isinstance(request.device, ArmSpec)
+    return RoboplanRrt(request.groups[0], request.device)
+
+
+def _python_planner(name: str) -> Callable[[Request], object]:
+    def make(_request: Request) -> object:
+        from skiros_py.motion import sampling
+
+        return getattr(sampling, name)()
+
+    return make
+
+
 ARM_PLANNER = Adapter((ArmPlanner,), _arm_planner, serves=_is_arm, one_for="robot")
 BASE_PLANNER = Adapter(
     (BasePlanner,),
@@ -92,3 +113,8 @@ BASE_PLANNER = Adapter(
 )
 KINEMATICS = Adapter((Kinematics, Dynamics), _kinematics, one_for="robot", eager=False, without_physics=True)
 INVERSE_KINEMATICS = Adapter((InverseKinematics,), _inverse_kinematics, serves=_is_arm, one_for="device", eager=False)
+RRT_CONNECT = Adapter((SamplingPlanner,), _rrt_connect, serves=_is_arm, one_for="device", eager=False)
+PRM, EST = (
+    Adapter((SamplingPlanner,), _python_planner(name), serves=_is_arm, one_for="device", eager=False, by_name=True)
+    for name in ("Prm", "Est")
+)

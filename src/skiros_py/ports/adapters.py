@@ -56,6 +56,7 @@ class Adapter:
         one_for: What shares an implementation: the whole cell, one robot, or one device.
         eager: True for one that takes long to start: it is made when the session opens, and ``make`` returns at once.
         without_physics: True for one that cells without physics use, too.
+        by_name: True for one that serves only devices that name it (``sk:adapter``).
     """
 
     ports: tuple[type, ...]
@@ -64,6 +65,7 @@ class Adapter:
     one_for: Literal["cell", "robot", "device"] = "cell"
     eager: bool = True
     without_physics: bool = False
+    by_name: bool = False
 
 
 class Ports(ABC):
@@ -178,6 +180,7 @@ class InstalledPorts(Ports):
         ]
         names = {name for by, all_ in self._named.items() if device in (None, by) for name in all_}
         named = [plugin for plugin in fitting if plugin.name in names]
+        fitting = named or [plugin for plugin in fitting if not plugin.value.by_name]
         foreign = named or [plugin for plugin in fitting if not plugin.is_builtin]
         if len(foreign) > 1 and device is None and named:
             foreign, fitting = [], []  # it depends on the device

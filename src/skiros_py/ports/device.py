@@ -53,8 +53,10 @@ class Individual(Protocol):
     def text(self, property_: str, default: str | None = None) -> str:
         """Returns a text; the default where the property is missing."""
 
-    def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
-        """Returns numbers, so many where a length is given."""
+    def vector(
+        self, property_: str, length: int | None = None, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
+        """Returns numbers, so many where a length is given; the default where the property is missing."""
 
     def pose(self, property_: str = "sk:pose") -> Pose | None:
         """Returns a pose in the map, or in the frame of the individual's ``sk:poseFrame``; None where it has none."""

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.plugins.loading import find_plugin
@@ -152,8 +154,17 @@ class Dynamics(Protocol):
         """
 
 
+_SETTLING = 15
+"""Iterations that move a solution towards the reference."""
+_DISTINCT = 0.3
+"""Two solutions that are closer than this in every joint are one [rad]."""
+
+
 class InverseKinematics(Protocol):
     """Finds joint angles that bring the tip of one arm to a pose.
+
+    Implementations inherit from it: one that knows all branches of an arm, as an analytic one does, overrides
+    ``branches``.
 
     Motion planners ask for thousands of targets, so a target is a matrix: the pose of the tip in the frame of the
     robot's base link, shape (4, 4).
@@ -182,3 +193,37 @@ class InverseKinematics(Protocol):
         Returns:
             Joint angles within the limits [rad], the same for the same arguments; None where none were found.
         """
+
+    def branches(
+        self,
+        target: Array,
+        reference: Array,
+        limits: tuple[Array, Array],
+        rng: np.random.Generator,
+        *,
+        count: int = 6,
+        restarts: int = 50,
+    ) -> list[Array]:
+        """Returns distinct solutions, the one nearest to a reference first; by default from random seeds.
+
+        Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
+
+        Args:
+            target: Where the tip shall be.
+            reference: Joint angles from where the arm comes [rad]; also the first seed.
+            limits: Lowest and highest joint angles [rad].
+            rng: Source of the other seeds.
+            count: Stop after as many solutions.
+            restarts: Bound of the effort: number of seeds.
+        """
+        found: list[Array] = []
+        for attempt in range(restarts):
+            raw = self.solve(target, reference if attempt == 0 else rng.uniform(*limits))
+            if raw is None:
+                continue
+            for q in (self.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
+                if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
+                    found.append(q)
+            if len(found) >= count:
+                break
+        return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))

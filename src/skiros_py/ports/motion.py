@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.paths import Layer, Path
@@ -25,6 +26,47 @@ class Held:
 
     solid: Solid
     pose: Pose
+
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Cone:
+    """A constraint on the whole way: an axis of the tip stays near a direction, as a full cup stays upright.
+
+    Attributes:
+        axis: Unit vector in the frame of the tip.
+        direction: Unit vector in the map.
+        angle: Greatest angle between the two [rad].
+    """
+
+    axis: Vector
+    direction: Vector
+    angle: float
+
+    @classmethod
+    def upright(cls, tip: Pose, angle: float) -> Cone:
+        """Makes the constraint that what is held stays as upright as it is at a pose of the tip in the map.
+
+        Args:
+            tip: The pose.
+            angle: How far it may tilt [rad].
+        """
+        x, y, z = tip.matrix()[2, :3].tolist()
+        return cls((x, y, z), (0.0, 0.0, 1.0), angle)
+
+
+@dataclass(frozen=True, slots=True)
+class KeepOut:
+    """A constraint on the whole way: a volume in the map that neither the arm nor what it holds enters."""
+
+    id: str
+    solid: Solid
+    pose: Pose
+
+
+Constraint = Cone | KeepOut
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +117,7 @@ class MotionRequest:
         gap: Gap between the fingers while moving [m].
         speed: Share of the joint speed limits to use, 0 to 1.
         seed: Seed of every random choice of the planner.
+        constraints: What holds on the whole way of every move.
     """
 
     device: str
@@ -86,6 +129,30 @@ class MotionRequest:
     gap: float = 0.08
     speed: float = 1.0
     seed: int = 0
+    constraints: tuple[Constraint, ...] = ()
+
+
+Cause = Literal["collision", "constraint", "singularity", "limits", "reach", "not found"]
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why one way of moving is not possible.
+
+    Attributes:
+        route: Number of the route, from 0.
+        move: Number of the move in it, from 0.
+        planner: What would have moved so: "joint interpolation", "straight line", the name of a sampling planner; empty
+            where the end of the move is not possible in the first place.
+        cause: What kind of reason it is.
+        reason: The reason, for a person.
+    """
+
+    route: int
+    move: int
+    planner: str
+    cause: Cause
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,12 +177,16 @@ class MotionPlan:
         legs: One trajectory for each of its moves.
         covers: Corners of a convex outline in the frame of the base [m]: arm, gripper and what it holds stay above it.
         ends: The same for the posture at the end.
+        planners: What found each leg: "joint interpolation", "straight line", the name of a sampling planner.
+        refusals: Why other ways of moving were not taken.
     """
 
     route: int
     legs: tuple[Trajectory, ...]
     covers: tuple[tuple[float, float], ...] = ()
     ends: tuple[tuple[float, float], ...] = ()
+    planners: tuple[str, ...] = ()
+    refusals: tuple[Refusal, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,10 +196,12 @@ class NoMotion:
     Attributes:
         reason: For a person ("pose 2 cannot be reached", ...).
         met: True when the robot has touched something that it did not expect.
+        refusals: Why each way of moving that was tried is not possible; planners of bases give none.
     """
 
     reason: str
     met: bool = False
+    refusals: tuple[Refusal, ...] = ()
 
 
 class ArmPlanner(Protocol):
@@ -136,6 +209,57 @@ class ArmPlanner(Protocol):
 
     def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
         """Plans one request."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchTask:
+    """A free motion of an arm that neither joint interpolation nor a straight line solves.
+
+    Attributes:
+        start, goal: Joint angles [rad].
+        lower, upper: Joint limits [rad].
+        clear: Tells whether joint angles are free of collisions and keep the constraints.
+        straight: Tells the same of all postures between two.
+        project: Moves joint angles to where the constraints hold; returns them as they are where they do already, and
+            None where that is not possible.
+        constrained: Whether there are constraints but keep-out volumes, which are among the obstacles.
+        obstacles: What stands within reach, its poses in the frame of the robot's base.
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers [m].
+        margin: Distance to keep from everything [m].
+        iterations: How many samples may be drawn; the search is bounded by this and not by time, to be repeatable.
+        seed: Seed of every random choice.
+    """
+
+    start: Array
+    goal: Array
+    lower: Array
+    upper: Array
+    clear: Callable[[Array], bool]
+    straight: Callable[[Array, Array], bool]
+    project: Callable[[Array], Array | None]
+    constrained: bool
+    obstacles: tuple[Obstacle, ...]
+    held: Held | None
+    gap: float
+    margin: float
+    iterations: int
+    seed: int
+
+
+class SamplingPlanner(Protocol):
+    """Searches paths of one arm in joint space by samples; an arm names the one it prefers by ``sk:adapter``."""
+
+    @property
+    def name(self) -> str:
+        """Its name, for people ("prm")."""
+
+    def search(self, task: SearchTask) -> Sequence[Array] | None:
+        """Returns way points from start to goal, straight lines between them; None where it finds none.
+
+        The path may be long and crooked: it is shortened, checked in small steps and rounded afterwards. Equal tasks
+        have equal answers.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -334,9 +334,11 @@ class _Individual:
         value = self._view.value(self.id, property_)
         return default if value is None else value
 
-    def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
+    def vector(
+        self, property_: str, length: int | None = None, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
         """Returns numbers."""
-        value = self._view.value(self.id, property_)
+        value = self._value(property_, default)
         if not isinstance(value, tuple):
             raise DescriptionError(f"{self.id} has no numbers for {property_}")
         if length is not None and len(value) != length:

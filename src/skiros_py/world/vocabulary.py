@@ -200,6 +200,8 @@ MAX_FORCE: Final = PropertyName("sk:maxForce")
 """Maximum force per finger [N]."""
 MAX_GAP: Final = PropertyName("sk:maxGap")
 """Maximum gap between the fingers [m]."""
+MAX_JOINT_ACCELERATIONS: Final = PropertyName("sk:maxJointAccelerations")
+"""Maximum acceleration of each joint [rad/s²]."""
 MAX_LINEAR: Final = PropertyName("sk:maxLinear")
 """Maximum linear speed [m/s]."""
 MAX_LINEAR_ACCELERATION: Final = PropertyName("sk:maxLinearAcceleration")

@@ -12,7 +12,7 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.motion.pinocchio.kinematics import IkSolver, solutions
+from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
 
@@ -32,7 +32,7 @@ def test_reachable_poses_are_solved_within_the_joint_limits(arm: ArmModel) -> No
     for _ in range(1000):
         target = arm.tip_pose(rng.uniform(arm.lower, arm.upper))
 
-        for q in solutions(solver, target.homogeneous, np.array(arm.spec.home), limits(arm), rng, count=1):
+        for q in solver.branches(target.homogeneous, np.array(arm.spec.home), limits(arm), rng, count=1):
             error = pin.log6(arm.tip_pose(q).actInv(target)).vector
             close = np.linalg.norm(error[:3]) < 2e-4 and np.linalg.norm(error[3:]) < 1e-3
             solved += close and bool(np.all((arm.lower <= q) & (q <= arm.upper)))
@@ -45,7 +45,7 @@ def test_several_distinct_solutions_are_sorted_by_distance(arm: ArmModel) -> Non
     home = np.array(arm.spec.home)
     target = arm.tip_pose(home + 0.2)
 
-    found = solutions(IkSolver(arm), target.homogeneous, home, limits(arm), np.random.default_rng(0), count=6)
+    found = IkSolver(arm).branches(target.homogeneous, home, limits(arm), np.random.default_rng(0), count=6)
 
     assert len(found) >= 6
     assert all(np.abs(a - b).max() > 0.3 for i, a in enumerate(found) for b in found[:i])
@@ -56,7 +56,7 @@ def test_several_distinct_solutions_are_sorted_by_distance(arm: ArmModel) -> Non
 def test_an_unreachable_pose_has_no_solution(arm: ArmModel) -> None:
     away, home = pin.SE3(np.eye(3), np.array([3.0, 0.0, 0.5])).homogeneous, np.array(arm.spec.home)
 
-    found = solutions(IkSolver(arm), away, home, limits(arm), np.random.default_rng(0), restarts=5)
+    found = IkSolver(arm).branches(away, home, limits(arm), np.random.default_rng(0), restarts=5)
 
     assert found == []
 

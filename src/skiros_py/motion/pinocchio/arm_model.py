@@ -18,7 +18,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
 
-_ACCELERATION = 7.5  # [rad/s²] a URDF has no such limit; that of the weakest joint of a Panda
+_ACCELERATION = 7.5  # [rad/s²] of an arm whose description states none; that of the weakest joint of a Panda
 
 
 def se3(pose: Pose) -> pin.SE3:
@@ -55,7 +55,7 @@ class ArmModel:
         self.lower: Array = np.array(self.model.lowerPositionLimit)
         self.upper: Array = np.array(self.model.upperPositionLimit)
         self.velocity: Array = np.array(self.model.velocityLimit)
-        self.acceleration: Array = np.full(len(arm.joints), _ACCELERATION)
+        self.acceleration: Array = np.array(arm.accelerations or [_ACCELERATION] * len(arm.joints))
         steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
         steps.append(self.model.frames[self.tip].placement.translation)
         self.reach = float(sum(np.linalg.norm(step) for step in steps))

@@ -12,12 +12,14 @@ from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
-from skiros_py.motion.pinocchio.route_search import Refusal, RouteSearch
+from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
+from skiros_py.motion.pinocchio.lines import Lines
+from skiros_py.motion.pinocchio.route_search import RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
-from skiros_py.ports.adapters import InstalledPorts
+from skiros_py.ports.adapters import InstalledPorts, Ports
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import InverseKinematics
-from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Trajectory
+from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, SamplingPlanner, Trajectory
 
 _THICK = 0.12
 """How far links, hand and camera stick out around the joints and the tip [m]."""
@@ -64,12 +66,17 @@ class ArmMotion:
 
     Args:
         spec: The robot.
+        ports: Inverse kinematics and sampling planners; by default those that are installed.
+        reflexes: False to search for each free motion at once, for comparisons.
     """
 
-    def __init__(self, spec: RobotSpec) -> None:
+    def __init__(self, spec: RobotSpec, ports: Ports | None = None, *, reflexes: bool = True) -> None:
         self._arms = {arm.id: arm_model(spec, arm) for arm in spec.of(ArmSpec)}
-        ports = InstalledPorts((spec,))
+        ports = ports or InstalledPorts((spec,))
         self._solvers = {name: ports.port(InverseKinematics, name) for name in self._arms}
+        self._planners = {name: ports.port(SamplingPlanner, name) for name in self._arms}
+        self._kept = {name: KeptPaths() for name in self._arms}
+        self._reflexes = reflexes
         self._self_pairs = {name: self_collision_pairs(arm) for name, arm in self._arms.items()}
 
     def plan(self, request: MotionRequest) -> MotionPlan | NoMotion:
@@ -84,13 +91,17 @@ class ArmMotion:
         start = np.array(request.start)
         if outside := _outside(arm, start):
             return NoMotion(outside)
+        name = request.device
+        solver, pairs, planner = self._solvers[name], self._self_pairs[name], self._planners[name]
         scene = CollisionScene(
-            arm, self._self_pairs[request.device], request.base, request.obstacles, request.held, request.gap
+            arm, pairs, request.base, request.obstacles, request.held, request.gap, request.constraints
         )
-        search = RouteSearch(arm, self._solvers[request.device], scene, request.base, request.seed)
+        lines = Lines(arm, solver)
+        moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
+        search = RouteSearch(arm, solver, scene, request.base, request.seed, lines, moves)
         found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
-        if isinstance(found, Refusal):
-            return NoMotion(found.text(len(request.routes)))
+        if found is None:
+            return NoMotion(search.reason(request.routes), refusals=search.refusals)
         limits = JointLimits(arm.velocity, arm.acceleration).scaled(request.speed)
         legs = tuple(
             _joined([time_path(piece, limits, _rates(arm, piece, leg.rate)) for piece in leg.pieces])
@@ -98,7 +109,8 @@ class ArmMotion:
         )
         postures = np.vstack([start, *(leg.positions for leg in legs)])
         covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
-        return MotionPlan(found.route, legs, covers, ends)
+        planners = tuple(leg.planner for leg in found.legs)
+        return MotionPlan(found.route, legs, covers, ends, planners, search.refusals)
 
 
 def _outside(arm: ArmModel, start: Array) -> str:

@@ -1,25 +1,38 @@
-"""Collision checks of the arm: convex shapes of robot, obstacles and held body, with Coal."""
+"""Checks of postures: collisions of robot, obstacles and held body as convex shapes, with Coal; constraints."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from skiros_py.geometry import Array, Pose, Primitive
+from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
-from skiros_py.ports.motion import Held, Obstacle
+from skiros_py.ports.motion import Cause, Cone, Constraint, Held, KeepOut, Obstacle
 
 _HELD = "what it holds"
 _SAMPLES = 200
 _ALWAYS = 0.9  # share of random postures; shapes that overlap that often are neighbours
 _MANY = 150
 """Number of shapes from which a tree finds near ones faster than comparing all boxes around them."""
+_PROJECTIONS = 20
+"""Steps in which a posture is brought to where the constraints hold."""
+_INSIDE = 0.7
+"""Share of the angle of a cone within which such a posture is brought."""
 _DEEPEST_START = 0.03  # [m] how deep the arm may seem to stick in something where a motion starts (localisation error)
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Why a posture, or a way through it, is not possible."""
+
+    cause: Cause
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +42,15 @@ class Contact:
     link: str
     other: str
     obstacle: bool
+    kept_out: bool = False
 
-    def __str__(self) -> str:
-        return f"{self.link} would touch {self.other}{'' if self.obstacle else ' of the robot itself'}"
+    @property
+    def fault(self) -> Fault:
+        """It as a reason."""
+        if self.kept_out:
+            return Fault("constraint", f"{self.link} would enter {self.other}")
+        own = "" if self.obstacle else " of the robot itself"
+        return Fault("collision", f"{self.link} would touch {self.other}{own}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +104,13 @@ class CollisionScene:
         obstacles: Bodies in the map.
         held: What the gripper holds, or None.
         gap: Gap between the fingers [m].
+        constraints: What holds everywhere.
+
+    Attributes:
+        near: The obstacles within reach, keep-out volumes among them, their poses in the frame of the base.
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers [m].
+        cones: The constraints on the direction of the tip, in the frame of the base.
     """
 
     def __init__(
@@ -95,8 +121,10 @@ class CollisionScene:
         obstacles: Iterable[Obstacle],
         held: Held | None,
         gap: float,
+        constraints: Iterable[Constraint] = (),
     ) -> None:
         self._arm = arm
+        self.held, self.gap = held, gap
         self._shapes = arm.collision_shapes(gap)
         self._pairs: list[_Pair] = []
         # Plain values: references into the list of shapes do not survive that shapes are added to it.
@@ -111,9 +139,15 @@ class CollisionScene:
             for i, joint, _ in self._robot:
                 if joint != self._arm.model.njoints - 1:
                     self._pair(shape_id, i, None)
-        to_base = base.inverse()
-        for obstacle in obstacles:
-            self._add_obstacle(obstacle, to_base @ obstacle.pose)
+        to_base, demands = base.inverse(), tuple(constraints)
+        turn = to_base.matrix()[:3, :3]
+        self.cones = [
+            (np.array(one.axis), turn @ np.array(one.direction), one.angle) for one in demands if isinstance(one, Cone)
+        ]
+        volumes = [Obstacle(one.id, one.solid, one.pose) for one in demands if isinstance(one, KeepOut)]
+        self.near: list[Obstacle] = []
+        for number, obstacle in enumerate((*volumes, *obstacles)):
+            self._add_obstacle(replace(obstacle, pose=to_base @ obstacle.pose), kept_out=number < len(volumes))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -130,7 +164,7 @@ class CollisionScene:
                 closer.
         """
         active = [not (pair.may_touch and pair.contact.other in touching) for pair in self._pairs]
-        checker = Checker(self._arm, self._shapes, list(self.contacts), active, margin)
+        checker = Checker(self._arm, self._shapes, list(self.contacts), active, margin, self.cones)
         if start is not None:
             checker.tolerate(start)
         return checker
@@ -140,17 +174,18 @@ class CollisionScene:
         mount = tip.placement * se3(held.pose)
         return [self._add(_HELD, tip.parentJoint, mount, block) for block in held.solid.primitives]
 
-    def _add_obstacle(self, obstacle: Obstacle, pose: Pose) -> None:
-        placement = se3(pose)
-        for block in obstacle.solid.primitives:
-            if not self._within_reach(placement, block):
-                continue
+    def _add_obstacle(self, obstacle: Obstacle, *, kept_out: bool) -> None:
+        placement = se3(obstacle.pose)
+        blocks = tuple(block for block in obstacle.solid.primitives if self._within_reach(placement, block))
+        if blocks:
+            self.near.append(replace(obstacle, solid=Solid(blocks)))
+        for block in blocks:
             shape_id = self._add(obstacle.id, 0, placement, block)
             for i, joint, _ in self._robot:
                 if joint > 0:
-                    self._pair(i, shape_id, obstacle.id)
+                    self._pair(i, shape_id, obstacle.id, kept_out=kept_out)
             for held_id in self._held:
-                self._pair(held_id, shape_id, obstacle.id)
+                self._pair(held_id, shape_id, obstacle.id, kept_out=kept_out)
 
     def _within_reach(self, placement: pin.SE3, block: Primitive) -> bool:
         radius = float(np.linalg.norm(block.size))
@@ -167,21 +202,29 @@ class CollisionScene:
     def _link(self, shape_id: int) -> str:
         return _HELD if shape_id in self._held else self._robot[shape_id][2]
 
-    def _pair(self, first: int, second: int, obstacle: str | None) -> None:
+    def _pair(self, first: int, second: int, obstacle: str | None, *, kept_out: bool = False) -> None:
         link = self._link(first)
         other = obstacle if obstacle is not None else self._link(second)
-        free_to_touch = obstacle is not None and (link == _HELD or link in self._arm.gripper_links)
+        is_hand = link == _HELD or link in self._arm.gripper_links
+        free_to_touch = obstacle is not None and is_hand and not kept_out
         self._shapes.addCollisionPair(pin.CollisionPair(first, second))
-        self._pairs.append(_Pair(Contact(link, other, obstacle is not None), free_to_touch))
+        self._pairs.append(_Pair(Contact(link, other, obstacle is not None, kept_out), free_to_touch))
 
 
 class Checker:
     """Checks postures for one kind of move; made by :meth:`CollisionScene.checker`."""
 
     def __init__(
-        self, arm: ArmModel, shapes: pin.GeometryModel, contacts: list[Contact], active: list[bool], margin: float
+        self,
+        arm: ArmModel,
+        shapes: pin.GeometryModel,
+        contacts: list[Contact],
+        active: list[bool],
+        margin: float,
+        cones: Sequence[tuple[Array, Array, float]] = (),
     ) -> None:
         self._arm = arm
+        self._cones = cones
         self._shapes = shapes
         self._contacts = contacts
         self._data = arm.model.createData()
@@ -197,13 +240,42 @@ class Checker:
         self._manager = manager(arm.model, shapes, self._results)
 
     def clear(self, q: Array) -> bool:
-        """Returns True when nothing is nearer than the margin at joint angles [rad]."""
-        return not pin.computeCollisions(self._arm.model, self._data, self._manager, q, True)
+        """Returns True when nothing is nearer than the margin at joint angles [rad], and the constraints hold."""
+        hits = pin.computeCollisions(self._arm.model, self._data, self._manager, q, True)
+        return not hits and (not self._cones or self._tilted(q) is None)
 
-    def contact(self, q: Array) -> Contact | None:
-        """Returns a contact that is too close at joint angles [rad], or None."""
+    def fault(self, q: Array) -> Fault | None:
+        """Returns what is too close at joint angles [rad], or the constraint that does not hold; None for neither."""
         touching = self._touching(q)
-        return self._contacts[touching[0]] if touching else None
+        if touching:
+            return self._contacts[touching[0]].fault
+        if (tilted := self._tilted(q)) is None:
+            return None
+        (_, _, most), angle = tilted
+        return Fault("constraint", f"the tip would tilt by {math.degrees(angle):.0f} deg, of {math.degrees(most):.0f}")
+
+    def project(self, q: Array) -> Array | None:
+        """Moves joint angles [rad] to where the constraints on the tip's direction hold; None where that fails."""
+        for _ in range(_PROJECTIONS):
+            tilted = self._tilted(q)
+            if tilted is None:
+                return q
+            (axis, direction, most), angle = tilted
+            pose, jacobian = self._arm.tip_jacobian(q)
+            turn = np.cross(axis, pose.rotation.T @ direction)
+            turn *= (angle - _INSIDE * most) / max(float(np.linalg.norm(turn)), 1e-9)
+            q = np.clip(q + np.linalg.pinv(jacobian[3:]) @ turn, self._arm.lower, self._arm.upper)
+        return None
+
+    def _tilted(self, q: Array) -> tuple[tuple[Array, Array, float], float] | None:
+        """Returns a cone that the tip leaves and the angle [rad]; None where it leaves none."""
+        for cone in self._cones:
+            axis, direction, most = cone
+            cosine = float(direction @ (self._arm.tip_pose(q).rotation @ axis))
+            angle = math.acos(min(1.0, max(-1.0, cosine)))
+            if angle > most:
+                return cone, angle
+        return None
 
     def tolerate(self, q: Array) -> None:
         """Permits pairs that are too close at joint angles [rad] to stay as close as they are there."""
@@ -213,7 +285,7 @@ class Checker:
                 self._results.collisionRequests[i].security_margin = min(self._margin, distance - 0.001)
 
     def _touching(self, q: Array) -> list[int]:
-        if self.clear(q):
+        if not pin.computeCollisions(self._arm.model, self._data, self._manager, q, True):
             return []
         pin.computeCollisions(self._arm.model, self._data, self._shapes, self._results, q, False)
         results, active = self._results.collisionResults, self._results.activeCollisionPairs

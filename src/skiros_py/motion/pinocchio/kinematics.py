@@ -21,13 +21,11 @@ _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
 _ANGLE_TOLERANCE = 1e-5  # [rad]
 _CLAMPED_JOINTS = 3  # joints at their limit for which the others may compensate in one step
-_SETTLING = 15  # iterations that move a solution towards the reference
-_DISTINCT = 0.3  # [rad] two solutions closer than this in every joint are one
 _STRENGTH = 0.2  # share of the difference made up by each
 _LARGEST_STEP = 0.6  # [rad] per iteration
 
 
-class IkSolver:
+class IkSolver(InverseKinematics):
     """Damped least squares; a :class:`skiros_py.ports.kinematics.InverseKinematics`.
 
     Args:
@@ -80,42 +78,6 @@ class IkSolver:
         step: Array = drift + jacobian.T @ np.linalg.solve(square, error - jacobian @ drift)
         largest = float(np.abs(step).max())
         return step if largest <= _LARGEST_STEP else step * (_LARGEST_STEP / largest)
-
-
-def solutions(
-    solver: InverseKinematics,
-    target: Array,
-    reference: Array,
-    limits: tuple[Array, Array],
-    rng: np.random.Generator,
-    *,
-    count: int = 6,
-    restarts: int = 50,
-) -> list[Array]:
-    """Returns distinct solutions, the one nearest to a reference first.
-
-    Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
-
-    Args:
-        solver: What finds one.
-        target: Pose of the tip in the robot's base frame, shape (4, 4).
-        reference: Joint angles from where the arm comes [rad]; also the first seed.
-        limits: Lowest and highest joint angles [rad].
-        rng: Source of the other seeds.
-        count: Stop after as many solutions.
-        restarts: Bound of the effort: number of seeds.
-    """
-    found: list[Array] = []
-    for attempt in range(restarts):
-        raw = solver.solve(target, reference if attempt == 0 else rng.uniform(*limits))
-        if raw is None:
-            continue
-        for q in (solver.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
-            if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
-                found.append(q)
-        if len(found) >= count:
-            break
-    return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
 
 
 class PinocchioKinematics:

@@ -1,0 +1,96 @@
+"""Straight lines of the tip: followed posture by posture, and judged on the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio as pin
+
+from skiros_py.geometry import Array
+from skiros_py.motion.pinocchio.arm_model import ArmModel
+from skiros_py.motion.pinocchio.collision import Checker, Fault
+from skiros_py.ports.kinematics import InverseKinematics
+
+_STEP = 0.005  # [m] between postures
+_TURN_STEP = math.radians(2.0)  # [rad] between postures
+_LARGEST_JUMP = 0.15  # [rad] of one joint between postures; more means the arm would have to flip
+_SINGULAR = 0.01  # least singular value of the tip's Jacobian [m/rad]; below it, joints turn fast for a slow tip
+_CENTRING = 0.01  # share of the way to the middle of the joints' ranges made up with each step
+_APPROACH = 0.1  # the same for the posture in which a line has to end
+_ARRIVAL = 60  # steps at most that the elbow takes at the end of a line to reach that posture
+_ARRIVED = 0.01  # [rad]
+_ITERATIONS = 12
+
+
+class Lines:
+    """Follows lines of the tip, turning evenly (slerp).
+
+    Args:
+        arm: The kinematic model.
+        solver: Inverse kinematics.
+    """
+
+    def __init__(self, arm: ArmModel, solver: InverseKinematics) -> None:
+        self._arm = arm
+        self._solver = solver
+        self._middle = (arm.lower + arm.upper) / 2.0
+
+    def length(self, start: Array, goal: pin.SE3) -> float:
+        """Returns the way of the tip from joint angles [rad] to a pose in the frame of the base [m]."""
+        return float(np.linalg.norm(goal.translation - self._arm.tip_pose(start).translation))
+
+    def follow(self, start: Array, goal: pin.SE3, checker: Checker) -> Array | Fault:
+        """Returns the postures of a line from joint angles [rad] to a pose, each found from the one before."""
+        return self._followed([start], goal, checker, None)
+
+    def between(self, start: Array, goal: Array, checker: Checker) -> Array | Fault:
+        """Returns the postures of a line between joint angles [rad], which it begins and ends in."""
+        postures = self._followed([start], self._arm.tip_pose(goal), checker, goal)
+        if isinstance(postures, Fault):
+            return postures
+        if np.abs(postures[-1] - goal).max() > _ARRIVED:
+            return Fault("reach", "the line ends in another posture of the arm")
+        postures[-1] = goal
+        return postures
+
+    def _followed(self, postures: list[Array], goal: pin.SE3, checker: Checker, end: Array | None) -> Array | Fault:
+        start = postures[0]
+        origin, length = self._arm.tip_pose(start), self.length(start, goal)
+        for share in (*_shares(origin, goal, length), *np.ones(0 if end is None else _ARRIVAL)):
+            if share == 1.0 and end is not None and np.abs(postures[-1] - end).max() <= _ARRIVED:
+                break
+            near = self._middle if end is None else start + share * (end - start)
+            strength = _CENTRING if end is None else _APPROACH
+            posture = self._next(postures[-1], _between(origin, goal, share), checker, near, strength)
+            if isinstance(posture, Fault):
+                return Fault(posture.cause, f"{posture.reason}, {1000 * share * length:.0f} mm after its start")
+            postures.append(posture)
+        return np.array(postures)
+
+    def _next(self, previous: Array, target: pin.SE3, checker: Checker, near: Array, strength: float) -> Array | Fault:
+        posture = self._solver.solve(
+            target.homogeneous, previous, towards=near, strength=strength, iterations=_ITERATIONS
+        )
+        if posture is None:
+            return Fault("reach", "the arm cannot follow it (a joint limit or the end of its reach)")
+        if np.abs(posture - previous).max() > _LARGEST_JUMP:
+            return Fault("singularity", "the arm would have to flip over")
+        fault = checker.fault(posture)
+        if fault is not None:
+            return fault
+        _, jacobian = self._arm.tip_jacobian(posture)
+        if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < _SINGULAR:
+            return Fault("singularity", "the arm is nearly stretched or folded, where joints turn fast")
+        return posture
+
+
+def _shares(origin: pin.SE3, goal: pin.SE3, length: float) -> Array:
+    angle = float(np.linalg.norm(pin.log3(origin.rotation.T @ goal.rotation)))
+    steps = max(1, math.ceil(length / _STEP), math.ceil(angle / _TURN_STEP))
+    return np.linspace(0.0, 1.0, steps + 1)[1:]
+
+
+def _between(origin: pin.SE3, goal: pin.SE3, share: float) -> pin.SE3:
+    rotation = origin.rotation @ pin.exp3(share * pin.log3(origin.rotation.T @ goal.rotation))
+    return pin.SE3(rotation, (1.0 - share) * origin.translation + share * goal.translation)
