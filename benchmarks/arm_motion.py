@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser
-from collections.abc import Callable
-from dataclasses import dataclass
-from statistics import median
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from statistics import median, pstdev
 from time import process_time
 
 import numpy as np
@@ -20,13 +20,16 @@ from shelves import GAP, MARGIN, Judge, Problem, problems
 from table import Figure, duration, finish
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.geometry import Array, Pose
+from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.kinematics import IkSolver
+from skiros_py.motion.sampling import Est, Prm, RrtConnect
+from skiros_py.ports.adapters import GivenPorts, InstalledPorts
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import MotionPlan
+from skiros_py.ports.kinematics import InverseKinematics
+from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, Obstacle, PoseMove, SamplingPlanner, SearchTask
 from skiros_py.testing.conformance.cells import small_cell
 
 _RESTARTS = 50
@@ -38,40 +41,150 @@ class Solved:
 
     Attributes:
         problem: The problem.
-        found: Whether a motion was found.
+        planner: What found a motion; empty if nothing did.
         touched: What it touches by the judgement of Coal; empty for nothing.
         seconds: Time for the whole plan [s].
+        first: Time to the first path of a search, reflexes before it included; None where there was no search [s].
+        peer: Time of roboplan alone for the same search [s].
     """
 
     problem: Problem
-    found: bool
+    planner: str
     touched: str
     seconds: float
+    first: float | None
+    peer: float
 
 
-def solve(motion: ArmMotion, judge: Judge, problem: Problem, arm: str) -> Solved:
+class Watched:
+    """A sampling planner that notes when it has found a path, and for what it was asked.
+
+    Args:
+        planner: The planner.
+    """
+
+    def __init__(self, planner: SamplingPlanner) -> None:
+        self._planner = planner
+        self.name = planner.name
+        self.forget()
+
+    def forget(self) -> None:
+        """Forgets what it has noted."""
+        self.found: float | None = None
+        self.task: SearchTask | None = None
+
+    def search(self, task: SearchTask) -> Sequence[Array] | None:
+        """Searches."""
+        path = self._planner.search(task)
+        if self.found is None and path is not None:
+            self.found, self.task = process_time(), task
+        return path
+
+
+def solve(motion: ArmMotion, watched: Watched, judge: Judge, problem: Problem, peer: SamplingPlanner | None) -> Solved:
     """Plans the motion of one problem, and judges it."""
+    watched.forget()
     started = process_time()
-    answer = motion.plan(problem.request(arm))
+    answer = motion.plan(problem.request("arm"))
     seconds = process_time() - started
-    found = isinstance(answer, MotionPlan)
-    touched = judge.first_contact(answer.legs[0].positions, problem.obstacles) if isinstance(answer, MotionPlan) else ""
-    said = touched or (f"found in {duration(seconds)}" if isinstance(answer, MotionPlan) else answer.reason)
+    first = None if watched.found is None else watched.found - started
+    planner, touched = "", ""
+    if isinstance(answer, MotionPlan):
+        planner, touched = answer.planners[0], judge.first_contact(answer.legs[0].positions, problem.obstacles)
+    started = process_time()
+    if peer is not None and watched.task is not None:
+        peer.first_path(watched.task)  # type: ignore[attr-defined]
+    said = touched or (planner and f"{planner}, {duration(seconds)}") or getattr(answer, "reason", "")
     print(f"shelf {problem.seed}, {problem.kind}: {said}", file=sys.stderr, flush=True)
-    return Solved(problem, found, touched, seconds)
+    return Solved(problem, planner, touched, seconds, first, process_time() - started)
 
 
 def shelf_figures(robot: RobotSpec, seeds: range, ompl_seconds: float) -> list[Figure]:
     """Plans motions in shelves."""
     drawn = list(problems(robot, seeds))
-    motion, judge, arm = ArmMotion(robot), Judge(robot), robot.of(ArmSpec)[0]
-    solved = [solve(motion, judge, problem, arm.id) for problem in drawn]
-    found = sum(one.found for one in solved)
+    watched, judge = Watched(_planner(robot, "rrt-connect")), Judge(robot)
+    motion, peer = ArmMotion(robot, _ports(robot, watched)), _roboplan(robot)
+    solved = [solve(motion, watched, judge, problem, peer) for problem in drawn]
+    found = sum(bool(one.planner) for one in solved)
     touching = sum(bool(one.touched) for one in solved)
     figures = [_beside_ompl(robot, drawn, found, ompl_seconds)]
     figures.append(Figure("  of them touching something by Coal at 1 mm", str(touching), "0", not touching))
-    figures.append(Figure("  whole plan, median", duration(median(one.seconds for one in solved))))
-    return figures
+    for way in sorted({one.planner for one in solved}):
+        count = sum(one.planner == way for one in solved)
+        figures.append(Figure(f"  by {way or 'nothing'}", f"{count} of {len(solved)}"))
+    for kind in ("joint", "pose"):
+        times = [one.seconds for one in solved if one.problem.kind == kind]
+        figures.append(Figure(f"  whole plan, {kind} to {kind}, median", duration(median(times))))
+    searched = [one for one in solved if one.problem.kind == "joint" and one.first is not None]
+    first = median(one.first for one in searched if one.first is not None)
+    what = "  first path, joint to joint, no reflex, median"
+    if peer is None:
+        return [*figures, Figure(what, duration(first), compared="roboplan is not installed")]
+    theirs = median(one.peer for one in searched)
+    said, beside = f"{duration(first)} = {first / theirs:.2f} x", f"roboplan alone {duration(theirs)}"
+    return [*figures, Figure(what, said, "<= 1.5 x", first <= 1.5 * theirs, beside)]
+
+
+def _ports(robot: RobotSpec, planner: SamplingPlanner) -> GivenPorts:
+    solver = InstalledPorts((robot,)).port(InverseKinematics, "arm")
+    return GivenPorts({InverseKinematics: solver, SamplingPlanner: planner})
+
+
+def _planner(robot: RobotSpec, name: str) -> SamplingPlanner:
+    named = replace(robot, adapters=(("arm", (name,)),))
+    return InstalledPorts((named,)).port(SamplingPlanner, "arm")
+
+
+def _roboplan(robot: RobotSpec) -> SamplingPlanner | None:
+    planner = _planner(robot, "rrt-connect")
+    return planner if hasattr(planner, "first_path") else None
+
+
+def sampler_table(robot: RobotSpec, seeds: range, count: int) -> None:
+    """Prints success and spread of each sampling planner on the same problems, with and without reflexes.
+
+    Args:
+        robot: The robot.
+        seeds: Seeds of shelf problems. A part is brought over a compartment of a kit, too.
+        count: Number of seeds of each planner.
+    """
+    requests = {f"shelf {one.seed}, {one.kind}": one.request("arm") for one in problems(robot, seeds)}
+    requests["into a kit"] = _into_kit(robot)
+    planners: dict[str, SamplingPlanner] = {"rrt-connect": _planner(robot, "rrt-connect")}
+    planners |= {"rrt-connect in Python": RrtConnect(), "prm": Prm(), "est": Est()}
+    reflexes = ArmMotion(robot)
+    row = "{:18}  {:22}  {:>9}  {:>15}  {:>15}  {}"
+    print(row.format("problem", "planner", "found", "motion [s]", "time [s]", "with reflexes"))
+    for name, request in requests.items():
+        plan = reflexes.plan(request)
+        reflex = plan.planners[0] if isinstance(plan, MotionPlan) else ""
+        same = "the same" if reflex not in ("joint interpolation", "straight line") else f"{count} of {count}, {reflex}"
+        for planner, sampler in planners.items():
+            motion, lengths, times = ArmMotion(robot, _ports(robot, sampler), reflexes=False), [], []
+            for seed in range(count):
+                started = process_time()
+                answer = motion.plan(replace(request, seed=seed))
+                times.append(process_time() - started)
+                if isinstance(answer, MotionPlan):
+                    lengths.append((len(answer.legs[0].positions) - 1) / 200.0)
+            motions, took = _spread(lengths), _spread(times)
+            print(row.format(name, planner, f"{len(lengths)} of {count}", motions, took, same), flush=True)
+
+
+def _spread(values: list[float]) -> str:
+    return f"{median(values):.2f} ± {pstdev(values):.2f}" if values else "-"
+
+
+def _into_kit(robot: RobotSpec) -> MotionRequest:
+    """Returns the approach to a compartment of a kit on a table, with a part in the hand."""
+    walls = [Primitive("box", (0.3, 0.006, 0.04), Pose((0.0, y, 0.02))) for y in (-0.147, 0.0, 0.147)]
+    walls += [Primitive("box", (0.006, 0.3, 0.04), Pose((x, 0.0, 0.02))) for x in (-0.147, 0.0, 0.147)]
+    table = Obstacle("table", Solid.box(0.6, 0.8, 0.5), Pose((0.78, 0.0, 0.0)))
+    kit = Obstacle("kit", Solid(tuple(walls)), Pose((0.68, 0.0, 0.5)))
+    part = Held(Solid.box(0.06, 0.04, 0.05), Pose.of(0.0, 0.0, 0.03, roll=np.pi))
+    goal = PoseMove(Pose.of(0.753, 0.073, 0.58, roll=np.pi))
+    home = robot.of(ArmSpec)[0].home
+    return MotionRequest("arm", home, Pose(), ((goal,),), (table, kit), part, 0.04)
 
 
 def _beside_ompl(robot: RobotSpec, drawn: list[Problem], found: int, seconds: float) -> Figure:
@@ -137,8 +250,12 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="seed of the first one")
     parser.add_argument("--poses", type=int, default=1000, help="number of poses for inverse kinematics")
     parser.add_argument("--ompl-seconds", type=float, default=60.0, help="time that OMPL is given for a problem")
+    parser.add_argument("--samplers", type=int, default=0, help="only show the planners, with as many seeds each")
     arguments = parser.parse_args()
     robot = small_cell(cameras=False).robots[0]
+    if arguments.samplers:
+        sampler_table(robot, range(arguments.first, arguments.first + arguments.seeds), arguments.samplers)
+        return 0
     figures = ik_figures(robot, arguments.poses)
     seeds = range(arguments.first, arguments.first + arguments.seeds)
     return finish("arm motion", figures + shelf_figures(robot, seeds, arguments.ompl_seconds))

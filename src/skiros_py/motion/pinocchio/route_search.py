@@ -122,15 +122,9 @@ class RouteSearch:
         chains.sort(key=lambda chain: chain.cost)
         first, *others = self._moves.ways
         some = _spread(chains, _OTHER_TRIES)
-        for ways, tried in (
-            ([first], chains[:_STRAIGHT_TRIES]),
-            ([first, *others[:1]], some),
-            ([first, *others], some),
-        ):
-            for chain in tried:
-                if (planned := self._planned(chain, ways)) is not None:
-                    return planned
-        return None
+        tries = ([first], chains[:_STRAIGHT_TRIES]), ([first, *others[:1]], some), ([first, *others], some)
+        planned = (self._planned(chain, ways) for ways, tried in tries for chain in tried)
+        return next((chain for chain in planned if chain is not None), None)
 
     def reason(self, routes: tuple[Route, ...]) -> str:
         """Returns why the route that came furthest is not possible, for a person."""
