@@ -44,6 +44,7 @@ def hangs(request):
         pass
 
 
+SHY = Adapter((Tracker,), Made, one_for="device", by_name=True)
 STUCK = Adapter((Tracker,), hangs)
 RUDE = Adapter((ArmPlanner,), Made, serves=lambda device: device.nothing, one_for="device")
 FAKE = Adapter((Tracker,), Made, without_physics=True)
@@ -129,6 +130,14 @@ def test_a_device_may_name_the_built_in_adapter(install: Any) -> None:
         assert type(ports.port(ArmPlanner, "left")).__module__ == "skiros_py.motion.adapters"
     finally:
         ports.close()
+
+
+def test_an_adapter_by_name_serves_only_devices_that_name_it(install: Any) -> None:
+    module = install("sk-shy", shy="SHY")
+    ports = InstalledPorts(named("left", "shy"))
+
+    assert isinstance(ports.port(module.Tracker, "left"), module.Made)
+    assert ports.find(module.Tracker, "right") is None
 
 
 def test_an_adapter_that_is_not_installed_is_refused_with_those_that_are(install: Any) -> None:

@@ -75,6 +75,26 @@ def test_a_home_of_the_wrong_length_is_refused() -> None:
         read_cell(world, ["robot_1"])
 
 
+@pytest.mark.parametrize("accelerations", [(1.0, 2.0, 3.0), (1.0, 0.0)])
+def test_accelerations_that_are_not_one_for_each_joint_are_refused(accelerations: tuple[float, ...]) -> None:
+    world = tiny_world()
+    with world.transaction("test", "wrong accelerations") as tx:
+        tx.set("arm_1", "sk:maxJointAccelerations", accelerations)
+
+    with pytest.raises(DescriptionError, match="sk:maxJointAccelerations takes a positive number for each of 2 joints"):
+        read_cell(world, ["robot_1"])
+
+
+def test_accelerations_of_an_arm_are_read_where_there_are_any() -> None:
+    world = tiny_world()
+    assert read_cell(world, ["robot_1"]).robots[0].of(ArmSpec)[0].accelerations == ()
+
+    with world.transaction("test", "accelerations") as tx:
+        tx.set("arm_1", "sk:maxJointAccelerations", (1.0, 2.0))
+
+    assert read_cell(world, ["robot_1"]).robots[0].of(ArmSpec)[0].accelerations == (1.0, 2.0)
+
+
 SHAPE = """'[{"kind": "box", "size": [0.1, 0.1, 0.1]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"""
 SHELF = f'scene:box_a sk:solid {SHAPE} ; sk:pose "1 2 0 0 0 0"^^sk:poseLiteral ; sk:hasA scene:stock .'
 

@@ -9,7 +9,7 @@ import shapely
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import UnknownName
-from skiros_py.geometry import Array, Pose
+from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
@@ -53,7 +53,8 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
 
 def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
     """Returns the joints, the tip and the corners of what it holds [m]."""
-    return np.vstack([arm.joint_places(posture), Pose.from_matrix(arm.tip_pose(posture).homogeneous).apply(body)])
+    tip = arm.tip_pose(posture)
+    return np.vstack([arm.joint_places(posture), body @ tip.rotation.T + tip.translation])
 
 
 _TIP_SPEED = 0.65

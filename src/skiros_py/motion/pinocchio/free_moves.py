@@ -7,6 +7,7 @@ not, since it gives each joint its speed.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -160,10 +161,11 @@ class FreeMoves:
             kept.append(path)
         return _pieces(path, checker)
 
-    def _postures(self, start: Array, goal: Array, step: float) -> list[Array]:
+    def _postures(self, start: Array, goal: Array, step: float) -> Array:
         """Returns postures between two, ends first, then coarse to fine, one every step of the arm's way [m]."""
         way = float(np.abs(goal - start) @ self._lever)
-        return [start + share * (goal - start) for share in _bisecting(max(2, int(np.ceil(way / step)) + 1))]
+        shares = _bisecting(max(2, int(np.ceil(way / step)) + 1))
+        return np.asarray(start + shares[:, None] * (goal - start))
 
     def _straight(self, checker: Checker, start: Array, goal: Array, step: float) -> bool:
         return all(map(checker.clear, self._postures(start, goal, step)))
@@ -196,6 +198,7 @@ def _at(path: Sequence[Array], place: float) -> Array:
     return path[index] + (place - index) * (path[index + 1] - path[index])
 
 
+@cache
 def _bisecting(count: int) -> Array:
     """Returns shares 0 to 1, ends first, then coarse to fine: a collision is met early."""
     shares = np.linspace(0.0, 1.0, count)

@@ -31,7 +31,7 @@ from skiros_py.ports.motion import SearchTask
 _GROUP = "arm"
 _STEP = 0.03  # [rad] between two postures that it checks
 _BRANCH = 3.0  # [rad] greatest length of one branch
-_CLOSENESS = ((0.0, 1.0), (0.01, 0.5))
+_CLOSENESS = ((0.0, 1.0), (0.003, 0.5))
 """First and second try: how much thicker things are made besides the margin [m], and the share of the step."""
 _COLOUR = np.ones(4)
 
