@@ -20,6 +20,7 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import (
     Cone,
+    Held,
     JointMove,
     KeepOut,
     LineMove,
@@ -227,6 +228,27 @@ def test_joints_accelerate_as_the_description_of_the_arm_says(robot: RobotSpec) 
     rates = np.abs(np.diff(plan.legs[0].velocities, axis=0)) * 200.0
 
     assert 0.7 < rates.max() <= 1.05
+
+
+def test_with_a_load_joints_accelerate_as_before_however_strong_they_are(robot: RobotSpec) -> None:
+    arm = robot.of(ArmSpec)[0]
+    others = tuple(device for device in robot.devices if device is not arm)
+    motion = ArmMotion(replace(robot, devices=(*others, replace(arm, accelerations=(20.0,) * 7))))
+    held = Held(Solid.box(0.05, 0.05, 0.05), Pose.of(0.0, 0.0, 0.03, roll=math.pi))
+    empty = request(LEFT, JointMove((*LEFT[:5], 2.6, 1.5)))
+
+    rates = [
+        float(np.abs(np.diff(found(motion.plan(one)).legs[0].velocities, axis=0)).max() * 200.0)
+        for one in (empty, replace(empty, held=held))
+    ]
+
+    assert rates[0] > 8.0
+    assert rates[1] <= 7.6
+
+
+def test_an_arm_of_unknown_accelerations_has_those_of_a_weak_joint(robot: RobotSpec) -> None:
+    arm = robot.of(ArmSpec)[0]
+
     assert arm_model(robot, arm).acceleration == pytest.approx(np.full(7, 7.5))
 
 

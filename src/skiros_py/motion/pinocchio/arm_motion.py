@@ -59,6 +59,8 @@ def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
 
 _TIP_SPEED = 0.65
 """Greatest speed of the tip [m/s]; a slower arm hits more softly, but nothing stops it at a contact yet."""
+_LOADED = 7.5
+"""Greatest joint acceleration with a load, whose inertia would be felt as a contact [rad/s²]."""
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
 
 
@@ -103,7 +105,8 @@ class ArmMotion:
         found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
         if found is None:
             return NoMotion(search.reason(request.routes), refusals=search.refusals)
-        limits = JointLimits(arm.velocity, arm.acceleration).scaled(request.speed)
+        acceleration = arm.acceleration if request.held is None else np.minimum(arm.acceleration, _LOADED)
+        limits = JointLimits(arm.velocity, acceleration).scaled(request.speed)
         legs = tuple(
             _joined([time_path(piece, limits, _rates(arm, piece, leg.rate)) for piece in leg.pieces])
             for leg in found.legs

@@ -16,6 +16,7 @@ _STEP = 0.005  # [m] between postures
 _TURN_STEP = math.radians(2.0)  # [rad] between postures
 _LARGEST_JUMP = 0.15  # [rad] of one joint between postures; more means the arm would have to flip
 _SINGULAR = 0.01  # least singular value of the tip's Jacobian [m/rad]; below it, joints turn fast for a slow tip
+_STRIDE = 4  # steps at a time in which a reflex is judged first: most that collide do so coarsely, too
 _CENTRING = 0.01  # share of the way to the middle of the joints' ranges made up with each step
 _APPROACH = 0.1  # the same for the posture in which a line has to end
 _ARRIVAL = 60  # steps at most that the elbow takes at the end of a line to reach that posture
@@ -42,39 +43,45 @@ class Lines:
 
     def follow(self, start: Array, goal: pin.SE3, checker: Checker) -> Array | Fault:
         """Returns the postures of a line from joint angles [rad] to a pose, each found from the one before."""
-        return self._followed([start], goal, checker, None)
+        return self._followed(start, goal, checker)
 
     def between(self, start: Array, goal: Array, checker: Checker) -> Array | Fault:
         """Returns the postures of a line between joint angles [rad], which it begins and ends in."""
-        postures = self._followed([start], self._arm.tip_pose(goal), checker, goal)
+        end = self._arm.tip_pose(goal)
+        coarse = self._followed(start, end, checker, goal, _STRIDE)
+        postures = coarse if isinstance(coarse, Fault) else self._followed(start, end, checker, goal)
         if isinstance(postures, Fault):
             return postures
         if np.abs(postures[-1] - goal).max() > _ARRIVED:
             return Fault("reach", "the line ends in another posture of the arm")
-        postures[-1] = goal
-        return postures
+        return np.vstack([postures[:-1], goal])
 
-    def _followed(self, postures: list[Array], goal: pin.SE3, checker: Checker, end: Array | None) -> Array | Fault:
-        start = postures[0]
+    def _followed(
+        self, start: Array, goal: pin.SE3, checker: Checker, end: Array | None = None, stride: int = 1
+    ) -> Array | Fault:
+        postures = [start]
         origin, length = self._arm.tip_pose(start), self.length(start, goal)
-        for share in (*_shares(origin, goal, length), *np.ones(0 if end is None else _ARRIVAL)):
+        for share in (*_shares(origin, goal, length, stride), *np.ones(0 if end is None else _ARRIVAL)):
             if share == 1.0 and end is not None and np.abs(postures[-1] - end).max() <= _ARRIVED:
                 break
             near = self._middle if end is None else start + share * (end - start)
             strength = _CENTRING if end is None else _APPROACH
-            posture = self._next(postures[-1], _between(origin, goal, share), checker, near, strength)
+            target = _between(origin, goal, share)
+            posture = self._next(postures[-1], target, checker, near, strength, _LARGEST_JUMP * stride)
             if isinstance(posture, Fault):
                 return Fault(posture.cause, f"{posture.reason}, {1000 * share * length:.0f} mm after its start")
             postures.append(posture)
         return np.array(postures)
 
-    def _next(self, previous: Array, target: pin.SE3, checker: Checker, near: Array, strength: float) -> Array | Fault:
+    def _next(
+        self, previous: Array, target: pin.SE3, checker: Checker, near: Array, strength: float, jump: float
+    ) -> Array | Fault:
         posture = self._solver.solve(
             target.homogeneous, previous, towards=near, strength=strength, iterations=_ITERATIONS
         )
         if posture is None:
             return Fault("reach", "the arm cannot follow it (a joint limit or the end of its reach)")
-        if np.abs(posture - previous).max() > _LARGEST_JUMP:
+        if np.abs(posture - previous).max() > jump:
             return Fault("singularity", "the arm would have to flip over")
         fault = checker.fault(posture)
         if fault is not None:
@@ -85,9 +92,9 @@ class Lines:
         return posture
 
 
-def _shares(origin: pin.SE3, goal: pin.SE3, length: float) -> Array:
+def _shares(origin: pin.SE3, goal: pin.SE3, length: float, stride: int) -> Array:
     angle = float(np.linalg.norm(pin.log3(origin.rotation.T @ goal.rotation)))
-    steps = max(1, math.ceil(length / _STEP), math.ceil(angle / _TURN_STEP))
+    steps = max(1, math.ceil(length / _STEP / stride), math.ceil(angle / _TURN_STEP / stride))
     return np.linspace(0.0, 1.0, steps + 1)[1:]
 
 

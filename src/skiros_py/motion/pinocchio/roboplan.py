@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,8 +32,8 @@ from skiros_py.ports.motion import SearchTask
 _GROUP = "arm"
 _STEP = 0.03  # [rad] between two postures that it checks
 _BRANCH = 3.0  # [rad] greatest length of one branch
-_CLOSENESS = ((0.0, 1.0), (0.003, 0.5))
-"""First and second try: how much thicker things are made besides the margin [m], and the share of the step."""
+_TRIES = ((0.0, 1.0), (0.0, 1.0), (0.005, 0.5))
+"""For each try, with a seed of its own: how much thicker things are than by the margin [m], the share of the step."""
 _COLOUR = np.ones(4)
 
 Placed = tuple[str, Primitive, Pose]
@@ -73,8 +74,8 @@ class RoboplanRrt:
     def search(self, task: SearchTask) -> Sequence[Array] | None:
         """Returns way points from start to goal, or None."""
         if not task.constrained:
-            for thicker, share in _CLOSENESS:
-                path = self.first_path(task, thicker, share)
+            for number, (thicker, share) in enumerate(_TRIES):
+                path = self.first_path(replace(task, seed=task.seed + number), thicker, share)
                 if path is None:
                     break
                 if all(task.straight(one, other) for one, other in pairwise(path)):

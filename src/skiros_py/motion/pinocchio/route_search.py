@@ -102,7 +102,7 @@ class RouteSearch:
         self._arm, self._solver, self._scene, self._lines, self._moves = arm, solver, scene, lines, moves
         self._to_base = se3(base.inverse())
         self._rng = np.random.default_rng(seed)
-        self._free, self._roomy = scene.checker(FREE_MARGIN), scene.checker(_ROOMY)
+        self._free = scene.checker(FREE_MARGIN)
         self._refusals: dict[Refusal, None] = {}
         self._known: dict[Pose, list[Array]] = {}
 
@@ -167,7 +167,8 @@ class RouteSearch:
         goals = self._goals(chain, move)
         if isinstance(goals, Fault):
             return goals
-        return [Leg(goal, tight=len(goals) > 1 and not self._roomy.clear(goal)) for goal in goals]
+        roomy = self._scene.checker(_ROOMY) if len(goals) > 1 else None
+        return [Leg(goal, tight=roomy is not None and not roomy.clear(goal)) for goal in goals]
 
     def _goals(self, chain: Chain, move: JointMove | PoseMove) -> list[Array] | Fault:
         """Returns the postures that end a free move, the nearest first."""
