@@ -152,6 +152,7 @@ def sampler_table(robot: RobotSpec, seeds: range, count: int) -> None:
     requests["into a kit"] = _into_kit(robot)
     planners: dict[str, SamplingPlanner] = {"rrt-connect": _planner(robot, "rrt-connect")}
     planners |= {"rrt-connect in Python": RrtConnect(), "prm": Prm(), "est": Est()}
+    motions = {name: ArmMotion(robot, _ports(robot, one), reflexes=False) for name, one in planners.items()}
     reflexes = ArmMotion(robot)
     row = "{:18}  {:22}  {:>9}  {:>15}  {:>15}  {}"
     print(row.format("problem", "planner", "found", "motion [s]", "time [s]", "with reflexes"))
@@ -159,16 +160,16 @@ def sampler_table(robot: RobotSpec, seeds: range, count: int) -> None:
         plan = reflexes.plan(request)
         reflex = plan.planners[0] if isinstance(plan, MotionPlan) else ""
         same = "the same" if reflex not in ("joint interpolation", "straight line") else f"{count} of {count}, {reflex}"
-        for planner, sampler in planners.items():
-            motion, lengths, times = ArmMotion(robot, _ports(robot, sampler), reflexes=False), [], []
+        for planner, motion in motions.items():
+            lengths, times = [], []
             for seed in range(count):
                 started = process_time()
                 answer = motion.plan(replace(request, seed=seed))
                 times.append(process_time() - started)
                 if isinstance(answer, MotionPlan):
                     lengths.append((len(answer.legs[0].positions) - 1) / 200.0)
-            motions, took = _spread(lengths), _spread(times)
-            print(row.format(name, planner, f"{len(lengths)} of {count}", motions, took, same), flush=True)
+            ways, took = _spread(lengths), _spread(times)
+            print(row.format(name, planner, f"{len(lengths)} of {count}", ways, took, same), flush=True)
 
 
 def _spread(values: list[float]) -> str:
