@@ -12,6 +12,7 @@ from skiros_primitives.contact import ContactWatch, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
+from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
@@ -29,9 +30,11 @@ from skiros_py.ports.motion import (
     Trajectory,
 )
 from skiros_py.ports.paths import Outline
+from skiros_py.ports.perception import HeldRegistrar, HeldRequest, HeldResult
+from skiros_py.ports.values import DepthImage
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.surroundings import held_by, obstacles
+from skiros_py.skills.surroundings import held_by, obstacles, solid_of
 from skiros_py.world.vocabulary import GRIPPER, HAS_A, MASS
 
 _SAME = 1e-6
@@ -120,13 +123,19 @@ def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajec
 
 
 _HOME = 0.05
-"""Maximum joint error of an arm in its home posture [rad]."""
+"""Maximum joint error of an arm in such a posture [rad]."""
 
 
-def is_home(context: RunContext, arm: ArmSpec) -> bool:
-    """Returns True when an arm is in its home posture, in which its base may drive."""
+def carrying_postures(arm: ArmSpec) -> list[tuple[float, ...]]:
+    """Returns the postures in which the base of an arm may drive, best first: home, and home with the hand turned."""
+    *others, last = arm.home
+    return [(*others, last + quarters * math.pi / 2.0) for quarters in (0, 1, -1, 2, -2)]
+
+
+def is_stowed(context: RunContext, arm: ArmSpec) -> bool:
+    """Returns True when an arm is in a posture in which its base may drive."""
     now = context.board.snapshot.state(arm.id, ArmState).positions
-    return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _HOME
+    return any(np.abs(np.subtract(now, posture)).max() <= _HOME for posture in carrying_postures(arm))
 
 
 class ArmPrimitive(Primitive[Any]):
@@ -172,6 +181,28 @@ class ArmPrimitive(Primitive[Any]):
         """What the arm's gripper is believed to hold."""
         found = held_by(self.context, self.gripper_id)
         return found[1] if found else None
+
+    def camera_in_tip(self, camera: CameraSpec) -> Pose:
+        """Returns the pose of a camera on the arm's hand in the frame of the tip."""
+        kinematics = self.context.port(Kinematics, self.params.arm)
+        positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
+        tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
+        return tip.inverse() @ optical
+
+    def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
+        """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.
+
+        Args:
+            image: The picture.
+            camera: Id of the camera, which is on the arm's hand.
+            part: Id of the part.
+            guess: How it is expected to sit, in the frame of the tip.
+        """
+        registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
+        if registrar is None or solid is None:
+            return None
+        place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
+        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
         """Opens the fingers as far as they go."""
@@ -359,6 +390,27 @@ class HandlingPrimitive(ArmPrimitive):
             down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
             found.append((PoseMove(high), down, up))
         return found
+
+    def plan_fresh(
+        self, choice: str, tools: Sequence[Pose], touching: Iterable[str]
+    ) -> Execution[tuple[int, MotionPlan | NoMotion]]:
+        """Plans for one of several poses of the tool, rather one that was not tried in vain yet.
+
+        Args:
+            choice: What these are a choice of.
+            tools: The poses in the map.
+            touching: Ids of what may be touched there.
+
+        Returns:
+            Which of the poses was chosen, and the plan; or why there is none.
+        """
+        fresh = self.context.tried.fresh(choice, range(len(tools)))
+        others = [number for number in range(len(tools)) if number not in fresh]
+        for numbers in filter(None, (fresh, others)):
+            planned = yield from self.plan(self.routes((tools[number] for number in numbers), touching))
+            if isinstance(planned, MotionPlan):
+                return numbers[planned.route], planned
+        return 0, planned
 
     def come_down(self, planned: MotionPlan, *, landing: float = 0.0) -> Execution[NoMotion | None]:
         """Follows the way down; where it does not arrive, it retreats and returns why.

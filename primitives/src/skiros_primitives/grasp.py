@@ -1,7 +1,8 @@
-"""Grasps a registered part, lifts it, and checks by touch whether it is held."""
+"""Grasps a registered part, lifts it, and checks by touch and by a look whether it is held, and how."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,22 +10,25 @@ from skiros_primitives.arm_moves import HandlingPrimitive
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
+from skiros_py.devices.camera import Camera
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
-from skiros_py.messages import Message
+from skiros_py.messages import Message, joined
 from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.poses import write_pose
-from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
+from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, HELD_BY, MANIPULATABLE
 
 _GAP_TOLERANCE = 0.007
 """Maximum difference between finger gap and part width when grasped [m]."""
 _FIRM = 2.0
 """Minimum force per finger on a held part [N]."""
+_MOST_OFF = 0.015
+"""A part that sits farther from where it was to be grasped is put down and grasped again [m]."""
 
 
 class Grasp(HandlingPrimitive):
@@ -38,6 +42,7 @@ class Grasp(HandlingPrimitive):
 
         arm: str = param(ARM, "The arm.", kind=Kind.HARDWARE)
         gripper: str = param(GRIPPER, "The gripper on it.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera on the hand, which sees what is held.", kind=Kind.HARDWARE)
         part: str = param(MANIPULATABLE, "The part; its pose is known exactly.")
 
     _lifting = False
@@ -58,13 +63,18 @@ class Grasp(HandlingPrimitive):
         grasp = grasp_of(self.world, self.params.part)
         place = self.world.placement(self.params.part)
         touching = {self.params.part, *([place.place] if place else [])}
-        tools = (level(part_pose) @ pose for pose in grasp.poses)
-        planned = yield from self.plan(self.routes(tools, touching))
+        chosen, planned = yield from self.plan_fresh(
+            "grasp", [level(part_pose) @ pose for pose in grasp.poses], touching
+        )
         if isinstance(planned, NoMotion):
             return Failure(Message("{part} cannot be reached: {reason}", part=self.params.part, reason=planned.reason))
-        return (yield from self._take(planned, part_pose, grasp))
+        outcome = yield from self._take(planned, part_pose, grasp, grasp.poses[chosen])
+        if isinstance(outcome, Failure):
+            turn = math.degrees(grasp.poses[chosen].yaw)
+            self.context.tried.note("grasp", chosen, Message("grasped turned by {turn:.0f} deg", turn=turn))
+        return outcome
 
-    def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData) -> Execution[Outcome]:
+    def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData, wanted: Pose) -> Execution[Outcome]:
         gripper, up = self.gripper, planned.legs[-1]
         refusal = yield from self.come_down(planned)
         if refusal is not None:
@@ -81,11 +91,34 @@ class Grasp(HandlingPrimitive):
         self.retreat = None
         state = gripper.state
         if abs(state.gap - grasp.width) > _GAP_TOLERANCE or state.force < _FIRM:
-            return (yield from self._let_go(gripper, grasp, up))
+            expected = Message("expected {width:.0f}", width=grasp.width * 1000.0)
+            return (yield from self._let_go(gripper, joined(", ", (_felt(state), expected)), up))
+        sits = yield from self._look(tool.inverse() @ part_pose, wanted)
+        if isinstance(sits, str):
+            return (yield from self._let_go(gripper, sits, up))
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
             tx.place(self.params.part, HELD_BY, self.params.gripper)
-            write_pose(tx, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
+            write_pose(tx, self.params.part, sits, self.params.gripper)
         return Success(Message("holds {part}: {state}", part=self.params.part, state=_felt(gripper.state)))
+
+    def _look(self, expected: Pose, wanted: Pose) -> Execution[Pose | str]:
+        """Returns how the part sits in the gripper, in the frame of the tip; or what speaks against holding it so.
+
+        Args:
+            expected: Where it was when the fingers closed, as registered.
+            wanted: The grasp; the fingers centre and align what they close on.
+        """
+        nominal = wanted.inverse()
+        x, _, z = expected.position
+        guess = Pose((x, nominal.position[1], z), nominal.orientation)
+        image = yield from self.wait(Camera(self.context.board, self.params.camera).capture())
+        found = yield from self.how_it_sits(image, self.params.camera, self.params.part, guess)
+        if found is None or (found.pose is None and not found.visible):
+            return guess
+        if found.pose is None:
+            return found.reason
+        off = found.pose.distance(guess)
+        return found.pose if off <= _MOST_OFF else Message("it sits {off:.0f} mm off", off=off * 1000.0)
 
     def recover(self) -> Execution[None]:
         """Opens at the bottom and retracts along the checked line; a part being lifted is put back first."""
@@ -98,10 +131,9 @@ class Grasp(HandlingPrimitive):
         yield from self.follow_from_here(self.retreat)
         self.retreat = None
 
-    def _let_go(self, gripper: Gripper, grasp: GraspData, up: Trajectory) -> Execution[Outcome]:
+    def _let_go(self, gripper: Gripper, found: str, up: Trajectory) -> Execution[Outcome]:
         """Puts down whatever is between the fingers and opens; the part then has to be located again."""
-        felt = _felt(gripper.state)
-        with self.world.transaction(author=self.name, reason=Message("grasp failed: {felt}", felt=felt)) as tx:
+        with self.world.transaction(author=self.name, reason=Message("grasp failed: {found}", found=found)) as tx:
             write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(_reversed(up), expected=self.weight(self.params.part), landing=0.0)
@@ -109,12 +141,7 @@ class Grasp(HandlingPrimitive):
         yield from self.open_wide(gripper)
         yield from self.recover()
         return Failure(
-            Message(
-                "{part} is not in the gripper after the lift: {felt}, expected {width:.0f}",
-                part=self.params.part,
-                felt=felt,
-                width=grasp.width * 1000.0,
-            )
+            Message("{part} is not in the gripper after the lift: {found}", part=self.params.part, found=found)
         )
 
 

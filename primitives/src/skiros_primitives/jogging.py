@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_home
+from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_stowed
 from skiros_primitives.driving import DrivingPrimitive
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose
@@ -230,7 +230,7 @@ class JogBase(DrivingPrimitive):
             return Failure(
                 Message("one step is at most {longest:g} m long, not {way:.3g} m", longest=_FARTHEST, way=way)
             )
-        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not is_home(self.context, arm)]
+        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not is_stowed(self.context, arm)]
         if stretched:
             return Failure(
                 Message("{arms} is stretched out: bring it home before the base moves", arms=", ".join(stretched))

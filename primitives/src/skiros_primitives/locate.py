@@ -145,7 +145,7 @@ class Locate(LookingPrimitive):
             why = self._not_seen(look)
             if clear_looks >= _MISSES:
                 break
-        return Failure(why)
+        return self.in_vain(why)
 
     def _believe_taller(self, look: DetectionResult) -> None:
         """Writes that things are in the way that are higher than parts and known to nobody."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
@@ -12,8 +13,7 @@ from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.messages import Message
-from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import NoMotion, PoseMove
+from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -29,7 +29,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -56,6 +56,8 @@ def inner_region(context: RunContext, compartment: str) -> Region | str:
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
+_VIEWS = 4
+"""The camera is turned to so many sides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,16 @@ class LookingParams:
 
 class LookingPrimitive(ArmPrimitive):
     """Base of the primitives that look; their parameters are :class:`LookingParams` and more."""
+
+    _view: int | None = None
+    """From which side the last picture was taken."""
+
+    def in_vain(self, reason: str) -> Failure:
+        """Returns a failure; the next look for the same purpose is one from another side."""
+        if self._view is not None:
+            angle = 360.0 * self._view / _VIEWS
+            self.context.tried.note("view", self._view, Message("looked from {angle:.0f} deg", angle=angle))
+        return Failure(reason)
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[DetectionResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
@@ -91,28 +103,27 @@ class LookingPrimitive(ArmPrimitive):
                 should lie on the other side.
         """
         camera = self.context.cell.device(self.params.camera, CameraSpec)
-        tool_camera = self._camera_in_tool(camera)
+        back = self.camera_in_tip(camera).inverse() @ Pose((-aside, 0.0, 0.0))
+        fresh = self.context.tried.fresh("view", range(_VIEWS))
+        others = [view for view in range(_VIEWS) if view not in fresh]
         reason = ""
-        for height in _LOOK_HEIGHTS:
-            yaws = (self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4))
-            poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in yaws]
-            back = Pose((-aside, 0.0, 0.0))
-            refusal = yield from self.go([(PoseMove(pose @ back),) for pose in poses])
-            if refusal is None:
+        for height, views in product(_LOOK_HEIGHTS, filter(None, (fresh, others))):
+            yaws = [self.base_pose.yaw + view * math.tau / _VIEWS for view in views]
+            routes = [(PoseMove(downward(x, y, surface + height, yaw) @ back),) for yaw in yaws]
+            planned = yield from self.plan(routes)
+            refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
+            if isinstance(planned, MotionPlan) and refusal is None:
+                self._view = views[planned.route]
                 image = yield from self.wait(Camera(self.context.board, camera.id).capture())
                 return image, self.context.frames.at(image.snapshot).located(camera.id)
-            reason = refusal.reason
+            reason = refusal.reason if refusal is not None else ""
         return NoMotion(Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=reason))
-
-    def _camera_in_tool(self, camera: CameraSpec) -> Pose:
-        kinematics = self.context.port(Kinematics, self.params.arm)
-        positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
-        tool, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
-        return tool.inverse() @ optical
 
 
 _CLEAR = 0.9
 """Minimum fraction of a compartment that must be seen to call it empty."""
+_SLID = 0.003
+"""What is held is believed to sit elsewhere when it is seen at least this far off [m]."""
 _ASIDE = (0.0, 0.06, 0.09)
 """How far the tool is retracted for each look [m]: a held part may hide the kit."""
 
@@ -150,11 +161,24 @@ class RegisterKit(LookingPrimitive):
                         continue  # what is held hides it
                     if content:
                         return Failure(content)
+                yield from self._look_at_held()
                 return Success(
                     Message("{kit} is {moved:.0f} mm from where it was believed", kit=self.params.kit, moved=moved)
                 )
             why = why or result.reason
-        return Failure(Message("{kit} is not recognised where it should be: {why}", kit=self.params.kit, why=why))
+        return self.in_vain(Message("{kit} is not recognised where it should be: {why}", kit=self.params.kit, why=why))
+
+    def _look_at_held(self) -> Execution[None]:
+        """Looks in the same picture how what is held sits now, which may have slid on the way."""
+        holding = held_by(self.context, self.gripper_id)
+        if holding is None or self._picture is None:
+            return
+        part, held = holding
+        found = yield from self.how_it_sits(self._picture[0], self.params.camera, part, held.pose)
+        if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
+            slid = found.pose.distance(held.pose) * 1e3
+            with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
+                write_pose(tx, part, found.pose, self.gripper_id)
 
     def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
         camera, solid = self.params.camera, solid_of(self.world, self.params.kit)
@@ -251,7 +275,7 @@ class RegisterPart(LookingPrimitive):
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:
             write_pose(tx, self.params.part, None)
-        return Failure(reason)
+        return self.in_vain(reason)
 
 
 _LOOKS = 2

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive, is_home
+from skiros_primitives.arm_moves import ArmPrimitive, carrying_postures, is_stowed
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import JointMove
+from skiros_py.ports.motion import JointMove, NoMotion
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -61,7 +61,7 @@ class Home(Primitive[Any]):
 
 
 class MoveArm(ArmPrimitive):
-    """Moves around obstacles, with whatever is held."""
+    """Moves around obstacles to a posture for travelling, with whatever is held."""
 
     name: ClassVar[str] = "move_arm"
 
@@ -72,12 +72,25 @@ class MoveArm(ArmPrimitive):
         arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
 
     def execute(self) -> Execution[Outcome]:
-        """Plans and moves."""
-        home = self.arm.spec.home
-        refusal = yield from self.go([(JointMove(home),)]) if self.is_planned else self.go_straight(home)
-        if refusal is not None:
-            return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
-        return Success(Message("home"))
+        """Plans and moves: home, or else to another posture for carrying."""
+        if not self.is_planned:
+            refusal = yield from self.go_straight(self.arm.spec.home)
+            return Success(Message("home")) if refusal is None else self._stuck(refusal)
+        postures = carrying_postures(self.arm.spec)
+        stuck: NoMotion | None = None
+        for number in self.context.tried.fresh("posture", range(len(postures))):
+            refusal = yield from self.go([(JointMove(postures[number]),)])
+            if refusal is None:
+                return Success(Message("home") if not number else Message("home, with the hand turned"))
+            self.context.tried.note("posture", number, Message("posture {number}", number=number + 1))
+            stuck = stuck or refusal
+            if refusal.met:
+                break
+        assert stuck is not None, "there is a posture"
+        return self._stuck(stuck)
+
+    def _stuck(self, refusal: NoMotion) -> Failure:
+        return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
 
 
 class StowArms(Primitive[Any]):
@@ -95,7 +108,7 @@ class StowArms(Primitive[Any]):
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.robot)
         for arm in robot.of(ArmSpec):
-            if not is_home(self.context, arm):
+            if not is_stowed(self.context, arm):
                 outcome = yield from self.call("move_arm", arm=arm.id)
                 if isinstance(outcome, Failure):
                     return outcome

@@ -29,7 +29,7 @@ from skiros_py.messages import Message
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
-from skiros_py.skills.context import RunContext
+from skiros_py.skills.context import RunContext, Tried
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Access, Kind, Output, params_of
 from skiros_py.skills.primitive import Execution, Primitive
@@ -259,7 +259,15 @@ class SkillManager:
         own = (*self._watching.copy().values(), *(running.task for running in self.running.values()))
         return any(one is task for one in own)
 
-    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> RunningModule:
+    def start(
+        self,
+        module: str,
+        arguments: Mapping[str, Any],
+        *,
+        task: str = "",
+        parent: str = "",
+        tried: Tried | None = None,
+    ) -> RunningModule:
         """Starts a module.
 
         Parameters that are left out are inferred in the first cycle; what is wrong with them is the run's failure.
@@ -269,6 +277,7 @@ class SkillManager:
             arguments: Its parameters.
             task: Name of the task that it is done for; empty for none.
             parent: Id of what it is part of, such as a step of a plan; empty for none.
+            tried: What was tried in vain for the same purpose; None for nothing.
 
         Raises:
             UnknownName: It does not offer that module.
@@ -284,7 +293,7 @@ class SkillManager:
         clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
         scope = replace(
             self._scope(module),
-            context=replace(self._context, clock=clock),
+            context=replace(self._context, clock=clock, tried=tried or Tried()),
             task=task,
             id=parent,
             root=parent or run_id,

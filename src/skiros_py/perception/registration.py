@@ -25,7 +25,7 @@ from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 _STEP = 0.003
 _SHIFTS = (-0.022, 0.0, 0.022)
 _FAR = tuple(0.022 * step for step in range(-7, 8))
-_TURNS = (-math.radians(3.5), 0.0, math.radians(3.5))
+_TURNS = tuple(math.radians(turn) for turn in (-10.5, -7.0, -3.5, 0.0, 3.5, 7.0, 10.5))
 _KEPT = 3
 _RANKED_POINTS = 300
 _STAGES = (0.020, 0.008, 0.005)
@@ -42,7 +42,7 @@ def wall_pattern(template: HeightMap, lowest: float) -> Array:
 def align(pattern: Array, points: Array, shifts: Sequence[float] = _SHIFTS) -> Floats:
     """Finds the pose of a pattern that brings it onto points.
 
-    Several starts within some 3 cm and 5 degrees are ranked by distance; ICP takes the best ones further. The
+    Several starts within some 3 cm and 10 degrees are ranked by distance; ICP takes the best ones further. The
     pattern is matched to the points and not the other way round, so what stands between the walls attracts nothing.
 
     Args:
@@ -94,7 +94,7 @@ def _matrix(x: float, y: float, yaw: float) -> Array:
     return np.array([[cos, -sin, 0.0, x], [sin, cos, 0.0, y], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 
-_REACH = 0.035
+_REACH = 0.075
 _RAISED = 0.45
 _HEADROOM = 0.006
 _FEWEST_POINTS = 200

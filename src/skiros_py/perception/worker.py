@@ -6,6 +6,9 @@ from skiros_py.ports.adapters import Adapter
 from skiros_py.ports.perception import (
     DetectionRequest,
     DetectionResult,
+    HeldRegistrar,
+    HeldRequest,
+    HeldResult,
     PartDetector,
     Registrar,
     RegistrationRequest,
@@ -23,17 +26,19 @@ class _Perception:
 
     def __init__(self) -> None:
         from skiros_py.perception.detector import detect
+        from skiros_py.perception.held import sits
         from skiros_py.perception.registration import register
 
         self.detect = detect
         self.register = register
+        self.sits = sits
 
 
 class Open3dPerception:
-    """Finds parts on a flat support, and the exact pose of a known body near a guess.
+    """Finds parts on a flat support, the exact pose of a known body near a guess, and how a part sits in a gripper.
 
-    A :class:`skiros_py.ports.perception.PartDetector` and :class:`skiros_py.ports.perception.Registrar`. Its process
-    starts at once and imports Open3D meanwhile.
+    A :class:`skiros_py.ports.perception.PartDetector`, :class:`skiros_py.ports.perception.Registrar` and
+    :class:`skiros_py.ports.perception.HeldRegistrar`. Its process starts at once and imports Open3D meanwhile.
     """
 
     def __init__(self) -> None:
@@ -47,10 +52,14 @@ class Open3dPerception:
         """Registers one body."""
         return self._worker.call("register", request, latency=LATENCY)
 
+    def sits(self, request: HeldRequest) -> Pending[HeldResult]:
+        """Finds how one part sits in a gripper."""
+        return self._worker.call("sits", request, latency=LATENCY)
+
     def close(self) -> None:
         """Ends the worker process."""
         self._worker.close()
 
 
-PERCEPTION = Adapter((PartDetector, Registrar), lambda _request: Open3dPerception())
+PERCEPTION = Adapter((PartDetector, Registrar, HeldRegistrar), lambda _request: Open3dPerception())
 """Shared by all cameras; answers in the order of asking."""

@@ -1,4 +1,4 @@
-"""Ports to perception libraries: which parts lie there, where exactly is this kit."""
+"""Ports to perception libraries: which parts lie there, where exactly is this kit, how does it sit in a gripper."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class RegistrationRequest:
         image: The shot.
         camera_pose: Pose of the optical frame in the map.
         solid: The body's shape.
-        guess: Its believed pose in the map; it stands upright, best within 3 cm and 5 degrees of that, at most
+        guess: Its believed pose in the map; it stands upright, best within 3 cm and 10 degrees of that, at most
             15 cm from it.
         seed: Seed of every random choice.
         camera: Id of the camera, for displays; empty if unknown.
@@ -141,3 +141,48 @@ class Registrar(Protocol):
 
     def register(self, request: RegistrationRequest) -> Pending[RegistrationResult]:
         """Registers one body."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldRequest:
+    """One image in which a part between the fingers shall be found exactly.
+
+    Attributes:
+        image: The shot, by a camera on the gripper.
+        camera_pose: Pose of the optical frame in the frame of the arm's tip.
+        solid: The part's shape.
+        guess: Its expected pose in the frame of the tip; it may have slid along the pads, and turned between them.
+        camera: Id of the camera, for displays; empty if unknown.
+        body: Id of the part, for displays; empty if unknown.
+    """
+
+    image: DepthImage
+    camera_pose: Pose
+    solid: Solid
+    guess: Pose
+    camera: str = ""
+    body: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldResult:
+    """How a part sits in a gripper.
+
+    Attributes:
+        pose: Its pose in the frame of the tip, or None when it is not seen there.
+        cost: Mean misfit of what was compared [m].
+        visible: False where the camera would hardly see the part even if it sat as expected: no pose proves nothing.
+        reason: Why there is no pose; empty when there is one.
+    """
+
+    pose: Pose | None
+    cost: float
+    visible: bool
+    reason: str = ""
+
+
+class HeldRegistrar(Protocol):
+    """Finds how a part sits in a gripper."""
+
+    def sits(self, request: HeldRequest) -> Pending[HeldResult]:
+        """Finds one part."""

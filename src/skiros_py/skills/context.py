@@ -6,10 +6,11 @@ The way of a base is its own until it has driven it, or until it stands again; t
 from __future__ import annotations
 
 import enum
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
@@ -234,6 +235,34 @@ def _no_manager(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]
     raise RuntimeError(f"{module} cannot be called from here: no skill manager runs this")
 
 
+@dataclass(slots=True, eq=False)
+class Tried:
+    """What was tried in vain for one purpose: kept over retries and new plans, so that the next attempt differs.
+
+    Attributes:
+        options: How often each option was tried, by what it is a choice of ("grasp", "view") and its number.
+        texts: What was tried, for a person, each thing once.
+    """
+
+    options: Counter[tuple[str, int]] = field(default_factory=Counter)
+    texts: dict[str, None] = field(default_factory=dict)
+
+    def fresh(self, choice: str, options: Iterable[int]) -> list[int]:
+        """Returns the options that were tried least often, in their order."""
+        counts = {option: self.options[choice, option] for option in options}
+        return [option for option, count in counts.items() if count == min(counts.values())]
+
+    def note(self, choice: str, option: int, text: str) -> None:
+        """Remembers that an option was tried in vain."""
+        self.options[choice, option] += 1
+        self.texts[text] = None
+
+    def as_json(self) -> dict[str, list[int]]:
+        """Returns the options that were tried as plain data, by what they are a choice of."""
+        choices = dict.fromkeys(choice for choice, _ in self.options)
+        return {choice: sorted(option for one, option in self.options if one == choice) for choice in choices}
+
+
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """One run: its world, devices, adapters, random numbers.
@@ -255,6 +284,7 @@ class RunContext:
         floor: Who may drive where.
         signals: The signals of the current cycle.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
+        tried: What was tried in vain for the same purpose, by earlier runs too.
     """
 
     world: World
@@ -273,6 +303,7 @@ class RunContext:
     emit: Callable[[str, Any], None] = lambda _event, _value: None
     call: Caller = _no_manager
     effects: Effects | None = None
+    tried: Tried = field(default_factory=Tried)
 
     @property
     def now(self) -> float:

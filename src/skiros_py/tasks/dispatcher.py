@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
@@ -11,6 +11,7 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.messages import Message
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
+from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import Mode, TaskContext
@@ -156,14 +157,18 @@ class Dispatcher:
     Args:
         task: The task, with its control requests.
         context: The task's environment: world, managers, reservations.
+        tried: Returns what was tried in vain for the purpose of a step.
 
     Attributes:
         lends: True while the task waits for the user: no step may start, and other tasks may use what is at rest,
             except robots that hold a thing of this task, so that it is not put down elsewhere.
     """
 
-    def __init__(self, task: TaskHandle, context: TaskContext) -> None:
+    def __init__(
+        self, task: TaskHandle, context: TaskContext, tried: Callable[[Step, SkillDescription], Tried]
+    ) -> None:
         self.lends = False
+        self._tried = tried
         self._task = task
         self._context = context
         self._trace = task.trace
@@ -361,7 +366,10 @@ class Dispatcher:
             if run.agent not in managers:
                 raise UsageError("the skill manager of {agent} is gone", agent=run.agent)
             parent = step_id(task, run.number)
-            running = managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
+            tried = self._tried(run.step, self._skills[run.step.skill])
+            running = managers[run.agent].start(
+                run.step.skill, run.step.arguments, task=task, parent=parent, tried=tried
+            )
         except UsageError as refusal:
             failure = Failure(str(refusal), CANCELLED)  # not the target's fault
             self._note_end(run, failure, {})
@@ -423,7 +431,8 @@ class Dispatcher:
             if outcome.code != CANCELLED:
                 what = TraceEventKind.FAILED
                 text = Message("{step} failed: {reason}", step=said, reason=outcome.reason)
-            more = {"reason": outcome.reason, "code": outcome.code, **outcome.values}
+            tried = self._tried(run.step, self._skills[run.step.skill])
+            more = {"reason": outcome.reason, "code": outcome.code, "tried": tried.as_json(), **outcome.values}
             self._trace.write(what, text, data | more, run)
         else:
             self._trace.write(

@@ -38,7 +38,7 @@ class TaskExecutor(ABC):
         self._task = task
         self._context = context
         self._trace = task.trace
-        self._dispatcher = Dispatcher(task, context)
+        self._dispatcher = Dispatcher(task, context, self.record.tried)
         self._skills: Mapping[str, SkillDescription] = {}
         self._progress = Progress()
 

@@ -178,9 +178,9 @@ class GoalExecutor(TaskExecutor):
         return False
 
     def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
-        """Returns unmet conditions that name an excluded target, with the reason."""
+        """Returns unmet conditions that name an excluded target or were tried too often, with the reason."""
         out, attempts = self.record.left_out, self._task.policy.attempts
-        concerned = (c for c in goal if out.intersection(c.arguments))
+        concerned = (c for c in goal if out.intersection(c.arguments) or self.record.is_worn_out(c))
         reason = Message("gave up after {count} tries", count=attempts)
         return {c: reason for c in concerned if not believed(c, self._context.world)}
 

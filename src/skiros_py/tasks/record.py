@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Mapping, Sequence
 
-from skiros_py.messages import Message
+from skiros_py.messages import Message, joined
 from skiros_py.planning.domain.actions import with_defaults
+from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
@@ -58,7 +60,9 @@ class TaskRecord:
         self._goal = tuple(goal)
         self._attempts = attempts
         self._skills: dict[str, SkillDescription] = {}
-        self._failures: Counter[tuple[str, str]] = Counter()
+        self._failures: Counter[tuple[str, ...]] = Counter()
+        self._tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
+        self._worn_out: list[StepReport] = []
         self._reasons: dict[str, str] = {}
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
@@ -83,18 +87,48 @@ class TaskRecord:
         self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
-            self._failures[step.skill, target] += 1
             self._reasons.pop(target, None)  # the latest failure is the last entry
             self._reasons[target] = reason
-            if self._failures[step.skill, target] >= self._attempts:
-                self.left_out.add(target)
+            self._count_failure(step, skill, reason)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
             self.reached = dict(self._round.reached)
 
+    def _count_failure(self, step: Step, skill: SkillDescription, reason: str) -> None:
+        """Counts a failure: at the target, of what is moved, and of the same cause, whatever the target is.
+
+        So a part that fits nowhere is not tried in every compartment, nor a base that cannot leave at every location.
+        """
+        target, agent = step.arguments[skill.target], step.arguments[skill.agent]
+        moved = self._purpose(step, skill)
+        keys = {(step.skill, target), moved, *([(step.skill, agent, reason)] if self._goal else [])}
+        self._failures.update(keys)
+        if any(self._failures[key] >= self._attempts for key in keys):
+            self.left_out.add(target)
+        if self._failures[moved] >= self._attempts:
+            self._worn_out.append(self.steps[-1])
+
+    def _purpose(self, step: Step, skill: SkillDescription) -> tuple[str, ...]:
+        """Returns the skill with what it moves: whatever the target is, that is tried again."""
+        concerned = {key: None for post in skill.post for key in post.arguments}
+        keys = [key for key in concerned if not self._is_hardware(skill.param(key).element_class)]
+        keys = [key for key in keys if key != skill.target] or [skill.target]
+        values = with_defaults(skill, step.arguments)
+        return (step.skill, *(str(values[key]) for key in keys if key in values))
+
+    def tried(self, step: Step, skill: SkillDescription) -> Tried:
+        """Returns what was tried in vain for the purpose of a step, over retries and new plans."""
+        return self._tried[self._purpose(step, skill)]
+
+    def is_worn_out(self, condition: Condition) -> bool:
+        """Returns True if what a condition is about failed too often, wherever it was tried."""
+        return any(self._is_for(step, condition) for step in self._worn_out)
+
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
+        self._tried.clear()
+        self._worn_out.clear()
         self.left_out.clear()
         for target in [t for t in self._reasons if any(self._fits(t, a) for a in condition.arguments)]:
             del self._reasons[target]
@@ -163,7 +197,9 @@ class TaskRecord:
         if target not in self.left_out:
             return reason
         said = {"reason": reason, "thing": target, "count": self._attempts}
-        return Message("{reason}; gave up on {thing} after {count} failed tries", **said)
+        text = Message("{reason}; gave up on {thing} after {count} failed tries", **said)
+        tried = dict.fromkeys(text for key, one in self._tried.items() if target in key for text in one.texts)
+        return Message("{text} (tried: {tried})", text=text, tried=joined(", ", tried)) if tried else text
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Returns True if the step's target, or an element it moves, occurs in the condition."""
