@@ -160,7 +160,8 @@ class PutBack(PuttingPrimitive):
     def _free(self, region: Region) -> list[Pose]:
         """Returns free spots, the nearest first, each with the part turned as it is now and crosswise."""
         parts = [part for part in self.world.instances(v.MANIPULATABLE) if part != self.params.part]
-        here = region.pose.inverse() @ self.tool_pose()
+        holding = held_by(self.context, self.params.gripper)
+        here = region.pose.inverse() @ self.tool_pose() @ (holding[1].pose if holding else Pose())
         taken = [region.pose.inverse() @ pose for part in parts if (pose := map_pose(self.context, part)) is not None]
         reach_x, reach_y = (half - _BORDER for half in region.half_extents)
         below = (max(-reach_x, min(reach_x, here.position[0])), max(-reach_y, min(reach_y, here.position[1])))

@@ -33,7 +33,7 @@ _STEP = np.array([0.003, 0.003, 0.003, math.radians(3.0)])
 _WAYS = [np.array(way) for way in itertools.product((-1, 0, 1), repeat=len(_STEP))]
 _DIRECTIONS = np.stack([way for way in _WAYS if np.abs(way).sum() == 1 or (np.abs(way).sum() == 2 and way[3])])
 """Along each axis, and while turning too: a turn alone moves what is seen, too."""
-_UNLIKELY = np.array([0.0, 15.0, 15.0, 1.0])
+_UNLIKELY = np.array([0.0, 15.0, 60.0, 1.0])
 """What a move costs: parts slide along the pads rather than across; without unit, for a turn [m/rad]."""
 _HALVINGS = 2
 _ROUNDS = 40

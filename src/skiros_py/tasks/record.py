@@ -63,7 +63,7 @@ class TaskRecord:
         self._failures: Counter[tuple[str, ...]] = Counter()
         self._tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self._worn_out: list[StepReport] = []
-        self._reasons: dict[str, str] = {}
+        self._reasons: dict[str, tuple[str, Tried]] = {}
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
         self._since: dict[Condition, tuple[float, float]] = {}
@@ -88,7 +88,7 @@ class TaskRecord:
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._reasons.pop(target, None)  # the latest failure is the last entry
-            self._reasons[target] = reason
+            self._reasons[target] = reason, self.tried(step, skill)
             self._count_failure(step, skill, reason)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
@@ -105,7 +105,7 @@ class TaskRecord:
         self._failures.update(keys)
         if any(self._failures[key] >= self._attempts for key in keys):
             self.left_out.add(target)
-        if self._failures[moved] >= self._attempts:
+        if target not in moved and self._failures[moved] >= self._attempts:
             self._worn_out.append(self.steps[-1])
 
     def _purpose(self, step: Step, skill: SkillDescription) -> tuple[str, ...]:
@@ -193,13 +193,12 @@ class TaskRecord:
         failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
         if not failed:
             return given_up.get(condition, Message("it does not hold any more"))
-        target, reason = failed[-1]
+        target, (reason, tried) = failed[-1]
         if target not in self.left_out:
             return reason
         said = {"reason": reason, "thing": target, "count": self._attempts}
         text = Message("{reason}; gave up on {thing} after {count} failed tries", **said)
-        tried = dict.fromkeys(text for key, one in self._tried.items() if target in key for text in one.texts)
-        return Message("{text} (tried: {tried})", text=text, tried=joined(", ", tried)) if tried else text
+        return Message("{text} (tried: {tried})", text=text, tried=joined(", ", tried.texts)) if tried.texts else text
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Returns True if the step's target, or an element it moves, occurs in the condition."""

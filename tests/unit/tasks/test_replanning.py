@@ -268,3 +268,55 @@ def test_a_manager_that_appears_helps_where_nobody_could() -> None:
 
         assert bench.questions.open == ()
     assert report.reached
+
+
+# ------------------------------------------------------------------ what was tried before
+
+
+class Put(Primitive[Any]):
+    """Never works, each time in another way."""
+
+    name: ClassVar[str] = "put"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        slot: str = param("tiny:Slot", "Where to put it.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        way = self.context.tried.fresh("way", range(4))[0]
+        self.context.tried.note("way", way, f"way {way}")
+        return Failure(f"no room in {self.params.slot}")
+
+
+PUTTING = (pretend(DRIVE), pretend(PICK), pretend(PLACE, Do.of("put", slot=P("Slot"))))
+SLOTS = "".join(f'scene:slot_{n} a tiny:Slot ; rdfs:label "slot {n}" ; sk:on scene:floor .\n' for n in (3, 4, 5))
+
+
+def test_what_fits_nowhere_is_tried_three_times_in_all_each_time_in_another_way() -> None:
+    slots = [f"slot_{n}" for n in (1, 2, 3, 4, 5)]
+    with Bench(tiny_world(SLOTS), PUTTING, (Put,)) as bench:
+        task = begin(bench, " or ".join(f"In(ball_1, {slot})" for slot in slots), policy=Policy(attempts=3))
+        report = finish(bench, task)
+
+    assert [step.skill for step in report.steps].count("place") == 3
+    assert "(tried: way 0, way 1, way 2)" in report.conditions[0].reason
+    failed = [entry.data["tried"] for entry in task.trace.entries if entry.what is TraceEventKind.FAILED]
+    assert failed == [{"way": [0]}, {"way": [0, 1]}, {"way": [0, 1, 2]}]
+
+
+def test_a_cause_that_is_not_the_target_is_not_tried_three_times_at_each() -> None:
+    class Stuck(Put):
+        name: ClassVar[str] = "stuck"
+
+        def execute(self) -> Execution[Outcome]:
+            yield
+            return Failure("the arm cannot go home")
+
+    skills = (pretend(DRIVE), pretend(PICK), pretend(PLACE, Do.of("stuck", slot=P("Slot"))))
+    goal = [f"In({ball}, {slot})" for ball, slot in (("ball_1", "slot_1"), ("red_ball_1", "slot_2"))]
+    with Bench(tiny_world(), skills, (Stuck,)) as bench:
+        report = finish(bench, begin(bench, *goal, policy=Policy(attempts=3)))
+
+    assert [step.skill for step in report.steps].count("place") <= 4
+    assert all("the arm cannot go home" in c.reason for c in report.conditions if c.tries)
