@@ -1,4 +1,4 @@
-"""How a part sits in the hand, and what becomes of one that cannot be carried or placed; the simulator's truth judges."""
+"""How a part sits in the hand, and what becomes of one that cannot be carried on; the truth judges."""
 
 from __future__ import annotations
 
