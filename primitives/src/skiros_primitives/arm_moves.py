@@ -387,7 +387,8 @@ class HandlingPrimitive(ArmPrimitive):
         found: list[Route] = []
         for tool in tools:
             high = Pose((0.0, 0.0, _LIFT)) @ tool
-            down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
+            down = LineMove(tool, speed=0.20, touching=frozenset(touching))
+            up = LineMove(high, speed=0.30, touching=frozenset(touching))
             found.append((PoseMove(high), down, up))
         return found
 

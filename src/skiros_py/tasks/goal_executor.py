@@ -180,7 +180,7 @@ class GoalExecutor(TaskExecutor):
     def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
         """Returns unmet conditions that name an excluded target or were tried too often, with the reason."""
         out, attempts = self.record.left_out, self._task.policy.attempts
-        concerned = (c for c in goal if out.intersection(c.arguments) or self.record.is_worn_out(c))
+        concerned = (c for c in goal if out.intersection(c.arguments) or c in self.record.worn_out)
         reason = Message("gave up after {count} tries", count=attempts)
         return {c: reason for c in concerned if not believed(c, self._context.world)}
 

@@ -16,7 +16,7 @@ from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.dispatcher import StepEnd
+from skiros_py.tasks.dispatcher import StepEnd, purpose
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
@@ -38,6 +38,8 @@ class TaskRecord:
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Targets on which a skill failed too often.
+        tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
+        worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
         no_plan: Why there was no initial plan.
         stopped: True if it was stopped by a command.
@@ -51,6 +53,8 @@ class TaskRecord:
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
         self.left_out: set[str] = set()
+        self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
+        self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
         self.no_plan: tuple[str, ...] = ()
         self.stopped = False
@@ -61,8 +65,6 @@ class TaskRecord:
         self._attempts = attempts
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, ...]] = Counter()
-        self._tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
-        self._worn_out: list[StepReport] = []
         self._reasons: dict[str, tuple[str, Tried]] = {}
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
@@ -88,7 +90,7 @@ class TaskRecord:
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._reasons.pop(target, None)  # the latest failure is the last entry
-            self._reasons[target] = reason, self.tried(step, skill)
+            self._reasons[target] = reason, self.tried[purpose(step, skill, self._view)]
             self._count_failure(step, skill, reason)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
@@ -100,35 +102,19 @@ class TaskRecord:
         So a part that fits nowhere is not tried in every compartment, nor a base that cannot leave at every location.
         """
         target, agent = step.arguments[skill.target], step.arguments[skill.agent]
-        moved = self._purpose(step, skill)
+        moved = purpose(step, skill, self._view)
         keys = {(step.skill, target), moved, *([(step.skill, agent, reason)] if self._goal else [])}
         self._failures.update(keys)
         if any(self._failures[key] >= self._attempts for key in keys):
             self.left_out.add(target)
         if target not in moved and self._failures[moved] >= self._attempts:
-            self._worn_out.append(self.steps[-1])
-
-    def _purpose(self, step: Step, skill: SkillDescription) -> tuple[str, ...]:
-        """Returns the skill with what it moves: whatever the target is, that is tried again."""
-        concerned = {key: None for post in skill.post for key in post.arguments}
-        keys = [key for key in concerned if not self._is_hardware(skill.param(key).element_class)]
-        keys = [key for key in keys if key != skill.target] or [skill.target]
-        values = with_defaults(skill, step.arguments)
-        return (step.skill, *(str(values[key]) for key in keys if key in values))
-
-    def tried(self, step: Step, skill: SkillDescription) -> Tried:
-        """Returns what was tried in vain for the purpose of a step, over retries and new plans."""
-        return self._tried[self._purpose(step, skill)]
-
-    def is_worn_out(self, condition: Condition) -> bool:
-        """Returns True if what a condition is about failed too often, wherever it was tried."""
-        return any(self._is_for(step, condition) for step in self._worn_out)
+            self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
-        self._tried.clear()
-        self._worn_out.clear()
+        self.tried.clear()
+        self.worn_out.clear()
         self.left_out.clear()
         for target in [t for t in self._reasons if any(self._fits(t, a) for a in condition.arguments)]:
             del self._reasons[target]
