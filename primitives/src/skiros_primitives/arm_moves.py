@@ -387,8 +387,7 @@ class HandlingPrimitive(ArmPrimitive):
         found: list[Route] = []
         for tool in tools:
             high = Pose((0.0, 0.0, _LIFT)) @ tool
-            down = LineMove(tool, speed=0.20, touching=frozenset(touching))
-            up = LineMove(high, speed=0.30, touching=frozenset(touching))
+            down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
             found.append((PoseMove(high), down, up))
         return found
 

@@ -27,6 +27,8 @@ _GAP_TOLERANCE = 0.007
 """Maximum difference between finger gap and part width when grasped [m]."""
 _FIRM = 2.0
 """Minimum force per finger on a held part [N]."""
+_TRIES = 2
+"""How often it is tried to put a part back that was being lifted."""
 _MOST_OFF = 0.015
 """A part that sits farther from where it was to be grasped is put down and grasped again [m]."""
 
@@ -125,8 +127,14 @@ class Grasp(HandlingPrimitive):
         if self.retreat is None:
             return
         if self._lifting:
-            yield from self.follow_from_here(_reversed(self.retreat), expected=self.weight(self.params.part))
+            down, weight, refusal = _reversed(self.retreat), self.weight(self.params.part), None
+            for _ in range(_TRIES):
+                refusal = yield from self.follow_from_here(down, expected=weight)
+                if refusal is None:
+                    break
             self._lifting = False
+            if refusal is not None:
+                return  # not dropped from where it is
         yield from self.open_wide(self.gripper)
         yield from self.follow_from_here(self.retreat)
         self.retreat = None
