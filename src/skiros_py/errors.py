@@ -342,7 +342,10 @@ class Overloaded(Busy):
 
 
 def without_wheels(extra: str) -> tuple[str, ...]:
-    """Returns the packages of an extra that do not exist for this Python and machine."""
+    """Returns the packages of an extra that do not exist for this Python and machine.
+
+    Another extra that it has where such a marker holds is none of it elsewhere.
+    """
     from importlib.metadata import requires
 
     from packaging.requirements import Requirement
@@ -351,10 +354,11 @@ def without_wheels(extra: str) -> tuple[str, ...]:
     for wanted in (Requirement(text) for text in requires("skiros-py") or ()):
         if wanted.marker is None or f'extra == "{extra}"' not in str(wanted.marker):
             continue
-        if not wanted.marker.evaluate({"extra": extra}):
+        here = wanted.marker.evaluate({"extra": extra})
+        if wanted.name == "skiros-py":
+            found.extend(name for part in sorted(wanted.extras if here else ()) for name in without_wheels(part))
+        elif not here:
             found.append(wanted.name)
-        elif wanted.name == "skiros-py":
-            found.extend(name for part in sorted(wanted.extras) for name in without_wheels(part))
     return tuple(found)
 
 

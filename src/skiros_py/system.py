@@ -14,7 +14,8 @@ from skiros_py.errors import MissingExtra, MissingSystemLibrary, UsageError
 
 EXTRAS = {
     "kitting": ("skiros_primitives", "skiros_robots", "skiros_skills"),
-    "physics": ("pybullet", "pinocchio", "open3d"),
+    "physics": ("mujoco", "pinocchio", "open3d"),
+    "pybullet": ("pybullet",),
     "perception": ("open3d",),
     "planners": ("kairos", "unified_planning"),
     "ontology": ("owlready2", "reasonable"),
@@ -39,6 +40,11 @@ def has_extra(name: str) -> bool:
         return all(find_spec(module) is not None for module in EXTRAS[name])
     except ImportError:
         return False
+
+
+def default_simulation() -> str:
+    """Returns the engine that simulates where no other is asked for: PyBullet, where there is one."""
+    return "mujoco" if find_spec("pybullet") is None else "pybullet"
 
 
 def require_extra(name: str, needed_for: str) -> None:

@@ -658,7 +658,7 @@ def cell(request: Any, lab: Path, site: Any, tmp_path: Path) -> Iterator[Session
     install_cell(site)
     scene = tmp_path / "lab_scene.ttl"
     scene.write_text(LAB, encoding="utf-8")
-    with Session(str(scene), Options(engine=request.param, seed=1)) as session:
+    with Session(str(scene), Options(simulation=request.param, seed=1)) as session:
         yield session
 
 

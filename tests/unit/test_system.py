@@ -14,7 +14,7 @@ import pytest
 from skiros_py.errors import MissingExtra, without_wheels
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.unified import UnifiedPlanning
-from skiros_py.system import EXTRAS, has_extra, require_extra
+from skiros_py.system import EXTRAS, default_simulation, has_extra, require_extra
 
 HIDING = """
 import importlib.abc, sys
@@ -104,6 +104,23 @@ def test_packages_without_a_wheel_for_this_python_are_named_with_the_platform_th
         require_extra("physics", "this")
 
 
+def test_physics_is_for_a_python_without_pybullet_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = ['mujoco-core>=4; extra == "physics"', 'skiros-py[pybullet]; python_version < "3" and extra == "physics"',
+              'pybullet; python_version < "3" and extra == "pybullet"']  # fmt: skip
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: wanted)
+
+    assert without_wheels("physics") == ()
+    assert without_wheels("pybullet") == ("pybullet",)
+
+
+def test_the_default_engine_is_pybullet_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert default_simulation() == "pybullet"
+
+    monkeypatch.setattr("skiros_py.system.find_spec", without("pybullet"))
+
+    assert default_simulation() == "mujoco"
+
+
 def test_planners_that_are_not_installed_name_their_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("skiros_py.planning.planners.unified.find_spec", without("unified_planning"))
     monkeypatch.setattr("skiros_py.planning.planners.kairos.sysconfig.get_path", lambda name: str(tmp_path))
@@ -125,4 +142,4 @@ def test_a_fake_station_is_served_without_physics_and_perception(tmp_path: Path)
     )
 
     assert ended.returncode == 0, ended.stderr
-    assert "the model 'mobile_panda' needs the extra 'physics'" in ended.stdout
+    assert "the model 'mobile_panda' needs the extra 'pybullet'" in ended.stdout

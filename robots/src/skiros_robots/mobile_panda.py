@@ -34,7 +34,7 @@ def _compose() -> str:
 def _panda_urdf() -> Path:
     package = importlib.util.find_spec("pybullet_data")
     if package is None or package.origin is None:
-        raise MissingExtra("physics", "the model 'mobile_panda'")
+        raise MissingExtra("pybullet", "the model 'mobile_panda'")
     path = Path(package.origin).parent / "franka_panda" / "panda.urdf"
     if not path.is_file():
         raise FileError(path, "the installed pybullet_data does not hold the Panda's description; reinstall pybullet")

@@ -23,6 +23,7 @@ from skiros_py.skills.skill import Skill
 from skiros_py.station.judgement import judge
 from skiros_py.station.session import Options, Session
 from skiros_py.station.worlds import open_world
+from skiros_py.system import default_simulation
 from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
@@ -210,12 +211,9 @@ def _missing_effects(skill: Skill, case: Case, outcome: Outcome) -> Iterator[str
             yield f"{condition.bind(case.arguments)} did not happen: {why}{ended}"
 
 
-_DRIVER = "pybullet"
-
-
 def is_simulable(skill: Skill) -> bool:
     """Returns whether a skill can be run in the simulation: only those for every robot."""
-    return skill.driver in (None, _DRIVER)
+    return skill.driver in (None, default_simulation())
 
 
 def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot | None = None) -> Contract:

@@ -13,6 +13,7 @@ import click
 
 from skiros_py.config import IMPORTS as IMPORT_FOLDERS
 from skiros_py.errors import UsageError
+from skiros_py.system import default_simulation
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -57,10 +58,23 @@ GUI = click.option("--gui", is_flag=True, help="Open the simulation's window.")
 DRIVER = click.option("--driver", metavar="NAME", help="Cell driver of a plug-in, instead of the simulation.")
 """The option that names a cell driver."""
 
-ENGINE = click.option(
-    "--engine", default="pybullet", show_default=True, metavar="NAME", help="Physics engine of the simulation."
+SIMULATION = click.option(
+    "--simulation",
+    default=default_simulation,
+    show_default="pybullet where it is installed, otherwise mujoco",
+    metavar="mujoco|pybullet|NAME",
+    help="Physics engine; a plug-in may bring another.",
 )
 """The option that names a physics engine."""
+IMPERFECTIONS = click.option(
+    "--imperfections",
+    type=click.FloatRange(0.0, 10.0),
+    default=0.0,
+    show_default=True,
+    metavar="FACTOR",
+    help="Factor of the simulated errors of measured poses, mounted cameras and depth; 1 for those of a real cell.",
+)
+"""The option that scales what a simulation is no better at than a real cell."""
 
 
 class _Seconds(click.FloatRange):
@@ -261,4 +275,4 @@ def cell_options(pace: str) -> Callable[[_Command], _Command]:
     """
     help_ = f"Simulated seconds per second.  [default: {pace}]"
     pace_option = click.option("--pace", type=_pace, default=pace, metavar="max|real|N", help=help_)
-    return combined(SEED, pace_option, FAKE, DRIVER, ENGINE, CONFIG, IMPORTS)
+    return combined(SEED, pace_option, FAKE, DRIVER, SIMULATION, IMPERFECTIONS, CONFIG, IMPORTS)

@@ -23,7 +23,7 @@ class CameraSpec(DeviceSpec[None, None]):
         width, height: Image size [px].
         vertical_fov: Vertical field of view [rad].
         near, far: Range of depth [m].
-        noise: Standard deviation of depth noise [m].
+        noise: Standard deviation of depth noise at half a metre [m].
         latency: Time from request to image [s].
     """
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, wrap_angle
+from skiros_py.open3d import pybind as o3d
 from skiros_py.perception.classify import Fit, best_fits, misfits, polish
 from skiros_py.perception.elevation import (
     CELL,
@@ -22,7 +23,6 @@ from skiros_py.perception.elevation import (
     visible_share,
 )
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
-from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.perception import Detection, DetectionRequest, DetectionResult
 
 _LOWEST = 0.008

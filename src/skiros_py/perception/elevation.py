@@ -10,8 +10,8 @@ from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Pose
+from skiros_py.open3d import pybind as o3d
 from skiros_py.perception.heightmaps import Floats
-from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.values import CameraIntrinsics, DepthImage
 
 

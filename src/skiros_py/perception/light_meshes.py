@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from skiros_py.perception.open3d import pybind as o3d
+from skiros_py.open3d import pybind as o3d
 
 _SAME = 1e-6
 """Corners so near to each other are one [m]: files repeat them for each of their normals."""

@@ -16,10 +16,10 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from skiros_py.geometry import Array, Pose
+from skiros_py.open3d import pybind as o3d
 from skiros_py.perception.classify import least_heights, misfits, polish
 from skiros_py.perception.elevation import ElevationMap, Plane, View, elevation_map
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
-from skiros_py.perception.open3d import pybind as o3d
 from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 
 _STEP = 0.003

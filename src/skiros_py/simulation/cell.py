@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections import Counter
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
@@ -22,25 +23,33 @@ from skiros_py.ports.driver import ModelCell
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.ports.simulation import Engine, EngineFactory, Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, Commands, DepthImage, Pending, Snapshot
+from skiros_py.simulation.imperfections import measured_depth, mounting_error
 from skiros_py.simulation.scene import Scene
+from skiros_py.system import default_simulation
 
 _OUTSIDE_FOV = 0.8726646259971648  # vertical, 50 degrees [rad]
 _OUTSIDE_RANGE = (0.1, 30.0)  # [m]
 
 
 def depth_image(
-    snapshot: Snapshot, noise: float, seed: tuple[int, ...], intrinsics: CameraIntrinsics, rendering: Rendering
+    snapshot: Snapshot,
+    noise: float,
+    seed: tuple[int, ...],
+    imperfections: float,
+    intrinsics: CameraIntrinsics,
+    rendering: Rendering,
 ) -> DepthImage:
-    """Makes the image of a depth camera from a rendering: adds noise, and keeps what is in range.
+    """Makes the image of a depth camera from a rendering: with its errors, and with what is in range only.
 
     Args:
         snapshot: What the devices said in the cycle of the picture.
-        noise: Standard deviation of a depth [m].
-        seed: Seed of the noise.
+        noise: Standard deviation of a depth [m], at half a metre.
+        seed: Seed of the errors.
+        imperfections: Factor of what depth cameras have besides noise.
         intrinsics: The camera model.
         rendering: The view without noise.
     """
-    depth = rendering.depth + np.random.default_rng(seed).normal(scale=noise, size=rendering.depth.shape)
+    depth = measured_depth(rendering.depth, noise, np.random.default_rng(seed), imperfections)
     depth[(depth > intrinsics.far) | (depth < intrinsics.near)] = 0.0
     return DepthImage(snapshot, depth.astype(np.float32), rendering.colour, intrinsics)
 
@@ -69,9 +78,6 @@ def outside_view(eye: Vector, target: Vector, width: int, height: int) -> View:
     return View(width, height, _OUTSIDE_FOV, *_OUTSIDE_RANGE, pose=Pose.from_matrix(axes))
 
 
-ENGINE = "pybullet"
-"""The engine that is used where no other is asked for."""
-
 _LEAST_DISTANCE, _MOST_DISTANCE = 2.0, 25.0
 """From how near and how far the whole cell is shown [m]."""
 _GROUP_RADIUS = 0.8
@@ -89,8 +95,11 @@ class SimulatedCell(ModelCell):
     Args:
         spec: What stands in the cell.
         seed: Seed of everything drawn: poses of bodies without one, errors of the localisers, noise of the cameras.
-        engine: The physics engine: its name in the entry-point group ``skiros.engines``, or what builds it.
+        engine: The physics engine: its name in the entry-point group ``skiros.engines``, or what builds it; empty for
+            PyBullet where it is installed, and MuJoCo elsewhere.
         gui: Open a window.
+        imperfections: Factor of the errors that real cells have: of measured poses, of the mounting of cameras, of
+            depth images; 0 for none of them.
 
     Attributes:
         kind: Name of the engine.
@@ -106,18 +115,33 @@ class SimulatedCell(ModelCell):
 
     coming_to_rest: ClassVar[float] = 0.25  # drives lag behind, and what stands must have been slow for 10 cycles
 
-    def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
+    def __init__(
+        self,
+        spec: CellSpec,
+        *,
+        seed: int,
+        engine: str | EngineFactory = "",
+        gui: bool = False,
+        imperfections: float = 0.0,
+    ) -> None:
         super().__init__(spec.devices)
-        self._engine = _start_engine(engine, period=self.period, gui=gui)
+        self._engine = _start_engine(engine or default_simulation(), period=self.period, gui=gui)
         self.kind = self._engine.name
         self._seed = seed
+        self._imperfections = imperfections
         self._places = [group.start.position for group in spec.groups]
         self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
         self._closed = False
         try:
-            self.scene = Scene(self._engine, spec, _write_models(spec, Path(self._directory.name)), seed=seed)
+            self.scene = Scene(
+                self._engine,
+                spec,
+                _write_models(spec, Path(self._directory.name)),
+                seed=seed,
+                imperfections=imperfections,
+            )
             models = {id_: model for robot in self.scene.robots for id_, model in robot.devices.items()}
             self._models = DeviceModels(self.devices, models)
             self._snapshot = self._models.start(self._settle)
@@ -141,11 +165,14 @@ class SimulatedCell(ModelCell):
         if camera not in self._cameras:
             raise DeviceError(f"no camera '{camera}'; there is {', '.join(sorted(self._cameras)) or 'none'}")
         robot, spec = self._cameras[camera]
-        view = view_of(spec, robot)
+        seen = view_of(spec, robot)
+        view = replace(seen, pose=seen.pose @ mounting_error(camera, self._seed, self._imperfections))
         number = self._shots[camera]
         self._shots[camera] += 1
         seed = (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number)
-        shot = partial(depth_image, self._snapshot, spec.noise, seed, self._engine.intrinsics(view))
+        shot = partial(
+            depth_image, self._snapshot, spec.noise, seed, self._imperfections, self._engine.intrinsics(view)
+        )
         return self._engine.render(view, shot, latency=spec.latency)
 
     def picture(

@@ -15,6 +15,7 @@ from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
 from skiros_py.ports.device_faults import model_of
 from skiros_py.ports.simulation import Colour, Engine, SimulatedRobot, Surface
+from skiros_py.simulation.imperfections import measured_off
 from skiros_py.simulation.spawn import free_pose, start_poses
 
 _FURNITURE: Colour = (0.80, 0.67, 0.49, 1.0)
@@ -88,6 +89,7 @@ class Scene:
         spec: What stands in it.
         urdfs: Model of each robot, by the robot's id.
         seed: The run's seed.
+        imperfections: Factor of the errors of poses that somebody has measured.
 
     Attributes:
         engine: The engine.
@@ -96,7 +98,9 @@ class Scene:
         robots: The robots.
     """
 
-    def __init__(self, engine: Engine, spec: CellSpec, urdfs: Mapping[str, Path], *, seed: int) -> None:
+    def __init__(
+        self, engine: Engine, spec: CellSpec, urdfs: Mapping[str, Path], *, seed: int, imperfections: float = 0.0
+    ) -> None:
         self.engine = engine
         self._types: dict[str, Colour] = {}
         self.bodies: dict[str, BodySpec] = {}
@@ -106,6 +110,7 @@ class Scene:
             if robot.model
         ]
         poses = start_poses(spec, seed, {id_: pose for robot in self.robots for id_, pose in robot.platforms()})
+        poses = measured_off(spec, poses, seed, imperfections)
         self.compartments = {
             body.id: (body, poses[body.place].inverse() @ poses[body.id])
             for body in spec.bodies

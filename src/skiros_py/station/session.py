@@ -31,6 +31,7 @@ from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.restart import respawn
 from skiros_py.station.starting import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import Report, open_data, open_world, warn
+from skiros_py.system import default_simulation
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
@@ -62,7 +63,9 @@ class Options:
         fake: True for no physics: skills only pretend.
         pace: Simulated seconds per wall second; None for as fast as possible.
         gui: True to open the simulation's window.
-        engine: Name of the physics engine that simulates.
+        simulation: Name of the physics engine that simulates; PyBullet where it is installed, otherwise MuJoCo.
+        imperfections: Factor of the errors of measured poses, mounted cameras and depth images in the simulation: 1
+            for those of a real cell, 0 for none.
         goal: Goal text or texts; empty for the goal that goes with the scene.
         driver: Name of a cell driver that a plug-in brings; None for the simulation (or the fake).
         config: Values of configuration parameters by "module.key".
@@ -81,7 +84,8 @@ class Options:
     fake: bool = False
     pace: float | None = None
     gui: bool = False
-    engine: str = "pybullet"
+    simulation: str = field(default_factory=default_simulation)
+    imperfections: float = 0.0
     goal: str | tuple[str, ...] = ()
     driver: str | None = None
     config: Mapping[str, Any] = field(default_factory=dict)

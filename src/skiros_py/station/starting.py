@@ -59,7 +59,13 @@ def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: 
     else:
         from skiros_py.simulation.cell import SimulatedCell
 
-        simulated = SimulatedCell(own, seed=options.seed, engine=options.engine, gui=options.gui)
+        simulated = SimulatedCell(
+            own,
+            seed=options.seed,
+            engine=options.simulation,
+            gui=options.gui,
+            imperfections=options.imperfections,
+        )
         cell = stack.enter_context(closing(simulated))
     _require_devices(cell, own)
     others = [connect(driver, part) for driver, part in parts.items()]

@@ -11,6 +11,7 @@ from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import UnknownName
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
+from skiros_py.plugins.installation import installation
 from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
@@ -243,7 +244,7 @@ _ANY = "any"
 Fault = CellFault | ModuleFault
 """Of a device or of a primitive."""
 Driver = str | Callable[[CellSpec], CellDriver]
-"""Kind of cell: "fake", "pybullet", a name of the group ``skiros.drivers``, or what brings one up."""
+"""Kind of cell: "fake", "pybullet" or "mujoco", a name of the group ``skiros.drivers``, or what brings one up."""
 
 
 def run_skill(
@@ -342,10 +343,10 @@ def _bench(
 
 
 def _cell(driver: str, spec: CellSpec) -> CellDriver:
-    if driver == "pybullet":
+    if any(entry.name == driver for entry in installation().of("skiros.engines")):
         from skiros_py.simulation.cell import SimulatedCell  # heavy, and rarely needed
 
-        return SimulatedCell(spec, seed=0)
+        return SimulatedCell(spec, seed=0, engine=driver)
     return FakeCell(spec) if driver == "fake" else load_catalogue().driver(driver, spec, seed=0)
 
 

@@ -153,7 +153,7 @@ ADDRESS: Final = PropertyName("sk:address")
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
 """The class to which a learned concept applies."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
-"""Standard deviation of the depth noise [m]."""
+"""Standard deviation of the depth noise at half a metre [m]."""
 DRIVER: Final = PropertyName("sk:driver")
 """Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")

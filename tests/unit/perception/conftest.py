@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
-from skiros_py.perception.open3d import pybind as o3d
+from skiros_py.open3d import pybind as o3d
 from skiros_py.ports.perception import DetectionRequest, PartModel, Region
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 

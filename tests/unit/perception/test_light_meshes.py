@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skiros_py.open3d import pybind as o3d
 from skiros_py.perception.light_meshes import MeshLightener, MeshPiece
-from skiros_py.perception.open3d import pybind as o3d
 
 
 def sphere(path: Path, resolution: int) -> Path:

@@ -44,7 +44,7 @@ def test_the_worker_needs_no_viewer_and_no_machine_learning() -> None:
 
 def test_a_plugin_in_the_same_process_has_all_of_open3d_and_the_same_types() -> None:
     code = (
-        "from skiros_py.perception.open3d import pybind\n"
+        "from skiros_py.open3d import pybind\n"
         "import open3d\n"
         "assert open3d.geometry.PointCloud is pybind.geometry.PointCloud\n"
         "assert open3d.visualization.draw_plotly and open3d.ml\n"

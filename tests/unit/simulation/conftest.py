@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pybullet
@@ -137,12 +138,12 @@ def kitting() -> SimpleNamespace:
 def make_cell() -> Iterator[Callable[..., SimulatedCell]]:
     cells = []
 
-    def make(spec: CellSpec, seed: int = 1, *, cameras: bool = False) -> SimulatedCell:
+    def make(spec: CellSpec, seed: int = 1, *, cameras: bool = False, **options: Any) -> SimulatedCell:
         if not cameras:
             blind = (tuple(d for d in r.devices if not isinstance(d, CameraSpec)) for r in spec.robots)
             robots = (dataclasses.replace(r, devices=devices) for r, devices in zip(spec.robots, blind, strict=True))
             spec = dataclasses.replace(spec, robots=tuple(robots))
-        cells.append(SimulatedCell(spec, seed=seed))
+        cells.append(SimulatedCell(spec, seed=seed, **options))
         return cells[-1]
 
     yield make

@@ -163,7 +163,7 @@ def test_the_bounding_box_of_a_body_matches_its_solid(make_cell, kitting):
     """The physics body's box around it is the solid's, whatever its centre of mass."""
     cell = make_cell(kitting.cell_spec(kitting.PARTS["Starter"].body(Pose((0.7, 0.0, kitting.TOP)), "table")))
     engine = cell.scene.engine
-    low, high = engine.client.getAABB(engine._bodies["part"].index)
+    low, high = engine.client.getAABB(engine.bodies["part"].index)
     expected_low, expected_high = cell.scene.bodies["part"].solid.bounds()
 
     assert np.subtract(high, low) == pytest.approx(expected_high - expected_low, abs=0.006)

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from skiros_py.errors import DeviceError, UsageError
+from skiros_py.errors import DeviceError, MissingExtra, UsageError
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.simulation import Colour, Vector
 
@@ -84,8 +84,10 @@ def _require_display() -> None:
 @functools.cache
 def _library() -> ModuleType:
     with _quiet_stderr():
-        import pybullet  # heavy, and only who simulates needs it
-
+        try:
+            import pybullet  # heavy, and only who simulates needs it
+        except ModuleNotFoundError as error:
+            raise MissingExtra("pybullet", "the simulation with PyBullet") from error
         return cast(ModuleType, pybullet)
 
 

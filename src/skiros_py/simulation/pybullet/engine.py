@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import struct
 import weakref
@@ -10,20 +9,15 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from skiros_py.errors import DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Rendering, Surface, Twist, Vector, View, Wrench
-from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Surface, Twist, Vector, Wrench
 from skiros_py.simulation.pybullet.client import Body, Client, Poses, build_solid, centre_of_mass
-from skiros_py.simulation.pybullet.renderer import BodyAppearance, Renderer, RobotAppearance, intrinsics_of
 from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
-from skiros_py.workers import Call, Worker
-
-T = TypeVar("T")
+from skiros_py.simulation.renderer import RenderedWorld
 
 _GRAVITY = 9.81  # [m/s²]
 _ATTACHMENT_FORCE = 1e5  # [N]
@@ -39,7 +33,7 @@ class _State:
     number: int
 
 
-class PyBulletEngine:
+class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
     """A :class:`skiros_py.ports.simulation.Engine`.
 
     Args:
@@ -58,12 +52,9 @@ class PyBulletEngine:
     name = "pybullet"
 
     def __init__(self, *, period: float, gui: bool = False) -> None:
+        super().__init__()
         self.client = Client(gui=gui)
         self.period = period
-        self._robots: dict[str, PyBulletRobot] = {}
-        self._bodies: dict[str, Body] = {}
-        self._before_step: list[Callable[[], None]] = []
-        self._renderer: Worker | None = None
         client = self.client
         client.setGravity(0.0, 0.0, -_GRAVITY)
         client.setTimeStep(period)
@@ -82,17 +73,13 @@ class PyBulletEngine:
             action()
         self.client.stepSimulation()
 
-    def before_step(self, action: Callable[[], None]) -> None:
-        """Calls an action before each step from now on."""
-        self._before_step.append(action)
-
     # ------------------------------------------------------------------ what is in the world
 
     def add_robot(self, name: str, urdf: Path, pose: Pose = _ORIGIN) -> PyBulletRobot:
         """Loads a robot with its root link fixed at a pose."""
         self._require_free(name)
-        self._robots[name] = PyBulletRobot(self, name, urdf, pose)
-        return self._robots[name]
+        self.robots[name] = PyBulletRobot(self, name, urdf, pose)
+        return self.robots[name]
 
     def add_body(
         self,
@@ -111,7 +98,7 @@ class PyBulletEngine:
         if options := surface_options(surface):
             for link in range(-1, self.client.getNumJoints(index)):
                 self.client.changeDynamics(index, link, **options)
-        self._bodies[name] = Body(index, solid, mass, centre, colour)
+        self.bodies[name] = Body(index, solid, mass, centre, colour)
 
     def remove_body(self, name: str) -> None:
         """Removes a body, and its attachment to a link."""
@@ -119,7 +106,7 @@ class PyBulletEngine:
         if body.constraint is not None:
             self.client.removeConstraint(body.constraint)
         self.client.removeBody(body.index)
-        del self._bodies[name]
+        del self.bodies[name]
 
     def move_body(self, name: str, pose: Pose) -> None:
         """Puts a body to a pose, at rest."""
@@ -147,10 +134,10 @@ class PyBulletEngine:
         """Releases an attached body."""
         attached = self._body(body)
         if attached.constraint is None:
-            raise UnknownName("attached body", body, [n for n, b in self._bodies.items() if b.constraint is not None])
+            raise UnknownName("attached body", body, [n for n, b in self.bodies.items() if b.constraint is not None])
         self.client.removeConstraint(attached.constraint)
         attached.constraint = None
-        for robot in self._robots.values():
+        for robot in self.robots.values():
             for number in robot.model.links.values():
                 self.client.setCollisionFilterPair(robot.model.body, attached.index, number, -1, 1)
 
@@ -164,7 +151,7 @@ class PyBulletEngine:
 
     def poses(self) -> Poses:
         """Returns the current poses of all bodies."""
-        return Poses(self._bodies, self.client)
+        return Poses(self.bodies, self.client)
 
     def twist(self, body: str) -> Twist:
         """Returns the velocity of a body's centre of mass."""
@@ -173,8 +160,8 @@ class PyBulletEngine:
 
     def contacts(self, name: str, link: str | None = None) -> tuple[Contact, ...]:
         """Returns the contacts of a body or robot after the last step."""
-        if name in self._bodies and not link:
-            points = self.client.getContactPoints(self._bodies[name].index)
+        if name in self.bodies and not link:
+            points = self.client.getContactPoints(self.bodies[name].index)
         else:
             model = self._robot(name).model
             narrowed = {} if link is None else {"linkIndexA": model.link(link)}
@@ -199,8 +186,8 @@ class PyBulletEngine:
 
     def _naming(self) -> Callable[[int, int], tuple[str, str]]:
         """Returns what gives the names of a body or robot and of its link by PyBullet's numbers."""
-        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
-        robots = {robot.model.body: robot for robot in self._robots.values()}
+        names = {body.index: name for name, body in self.bodies.items()} | {self._floor: FLOOR}
+        robots = {robot.model.body: robot for robot in self.robots.values()}
 
         def named(index: int, number: int) -> tuple[str, str]:
             robot = robots.get(index)
@@ -210,8 +197,8 @@ class PyBulletEngine:
 
     def apply_wrench(self, name: str, wrench: Wrench, *, at: Vector | None = None, link: str = "") -> None:
         """Applies a wrench during the next step."""
-        if name in self._bodies and not link:
-            index, number = self._bodies[name].index, -1
+        if name in self.bodies and not link:
+            index, number = self.bodies[name].index, -1
         else:
             model = self._robot(name).model
             index, number = model.body, model.link(link)
@@ -220,39 +207,16 @@ class PyBulletEngine:
         self.client.applyExternalForce(index, number, wrench.force, at or centre.position, world)
         self.client.applyExternalTorque(index, number, wrench.torque, world)
 
-    # ------------------------------------------------------------------ pictures
-
-    def prepare_rendering(self) -> None:
-        """Starts the renderer's process."""
-        self._worker()
-
-    def intrinsics(self, view: View) -> CameraIntrinsics:
-        """Returns the exact pinhole model of the images of a view."""
-        return intrinsics_of(view)
-
-    def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
-        """Renders the current moment in the renderer's process, which also calls ``finish``."""
-        poses = self.poses()
-        bodies = {name: BodyAppearance(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()}
-        robots = {name: RobotAppearance(one.urdf, one.root, one.positions()) for name, one in self._robots.items()}
-        return self._worker().call("render", bodies, robots, view, finish, latency=latency)
-
     def look_at(self, target: Vector, distance: float) -> None:
         """Turns the window to a point."""
         self.client.look_at(target, distance)
-
-    def _worker(self) -> Worker:
-        if self._renderer is None:
-            models = {name: (robot.urdf, robot.root) for name, robot in self._robots.items()}
-            self._renderer = Worker("renderer", functools.partial(Renderer, models))
-        return self._renderer
 
     # ------------------------------------------------------------------ state
 
     def state_bytes(self) -> bytes:
         """Returns the exact state of all joints and bodies."""
-        values = list(itertools.chain.from_iterable(robot.motion() for robot in self._robots.values()))
-        for body in self._bodies.values():
+        values = list(itertools.chain.from_iterable(robot.motion() for robot in self.robots.values()))
+        for body in self.bodies.values():
             values.extend(itertools.chain(*self.client.getBasePositionAndOrientation(body.index)))
             values.extend(itertools.chain(*self.client.getBaseVelocity(body.index)))
         return struct.pack(f"<{len(values)}d", *values)
@@ -260,7 +224,7 @@ class PyBulletEngine:
     def save(self) -> object:
         """Returns the state of all that is in the world now."""
         number = self.client.saveState()
-        state = _State(tuple(self._bodies), number)
+        state = _State(tuple(self.bodies), number)
         weakref.finalize(state, self._forget, number).atexit = False
         return state
 
@@ -271,30 +235,15 @@ class PyBulletEngine:
     def restore(self, state: object) -> None:
         """Goes back to a saved state; the same bodies and robots must be there."""
         match state:
-            case _State(bodies, number) if bodies == tuple(self._bodies):
+            case _State(bodies, number) if bodies == tuple(self.bodies):
                 self.client.restoreState(number)
             case _:
                 raise DeviceError("this state was saved with other bodies in the world")
 
     def close(self) -> None:
         """Ends the renderer's process and the physics client; may be called twice."""
-        if self._renderer is not None:
-            self._renderer.close()
+        super().close()
         self.client.close()
-
-    def _require_free(self, name: str) -> None:
-        if name in self._bodies or name in self._robots or name == FLOOR:
-            raise UsageError(f"there is a '{name}' in the world already")
-
-    def _body(self, name: str) -> Body:
-        if name not in self._bodies:
-            raise UnknownName("body", name, self._bodies)
-        return self._bodies[name]
-
-    def _robot(self, name: str) -> PyBulletRobot:
-        if name not in self._robots:
-            raise UnknownName("body or robot", name, [*self._bodies, *self._robots])
-        return self._robots[name]
 
     def _link_centre(self, index: int, number: int) -> Pose:
         if number < 0:

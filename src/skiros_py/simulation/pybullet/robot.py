@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,22 +11,13 @@ import numpy as np
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Wrench
+from skiros_py.simulation.models import read_urdf
 from skiros_py.simulation.pybullet.client import Client
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.engine import PyBulletEngine
 
 _COUPLING_ERP = 0.1
-
-
-def _why_not_loaded(urdf: Path) -> str:
-    """Returns what is wrong with a URDF file that PyBullet has refused with a mere "cannot load"; empty if unknown."""
-    try:
-        meshes = {mesh.get("filename", "") for mesh in ET.parse(urdf).iter("mesh")}  # noqa: S314 - an installed model
-    except (OSError, ET.ParseError) as error:
-        return f"the model cannot be read: {error}"
-    gone = sorted(name for name in meshes if not (urdf.parent / name.removeprefix("package://")).is_file())
-    return f"there is no mesh {', '.join(gone)} beside the model" if gone else ""
 
 
 class RobotModel:
@@ -51,7 +41,8 @@ class RobotModel:
         try:
             self.body: int = client.loadURDF(str(urdf), useFixedBase=True, flags=flags, **at)
         except DeviceError as error:
-            raise DescriptionError(f"{urdf}: {_why_not_loaded(urdf) or error}") from error
+            read_urdf(urdf)  # says more than a mere "cannot load", where it knows more
+            raise DescriptionError(f"{urdf}: {error}") from error
         self.infos = [client.getJointInfo(self.body, index) for index in range(client.getNumJoints(self.body))]
         self.numbers: dict[str, int] = {info[1].decode(): info[0] for info in self.infos}
         self.links: dict[str, int] = {client.getBodyInfo(self.body)[0].decode(): -1}
@@ -78,11 +69,6 @@ class RobotModel:
         position, orientation = self.client.getBasePositionAndOrientation(self.body)
         return Pose(position, orientation) @ Pose(tuple(inertial[3]), tuple(inertial[4])).inverse()
 
-    def place(self, positions: Sequence[float]) -> None:
-        """Puts all movable joints to positions."""
-        for index, position in zip(self.movable, positions, strict=True):
-            self.client.resetJointState(self.body, index, position)
-
 
 class PyBulletRobot:
     """A :class:`skiros_py.ports.simulation.SimulatedRobot`.
@@ -98,14 +84,12 @@ class PyBulletRobot:
         name: Its name.
         model: The loaded model.
         urdf: Its file.
-        root: Pose of the root link in the map.
     """
 
     def __init__(self, engine: PyBulletEngine, name: str, urdf: Path, pose: Pose) -> None:
         self.engine = engine
         self.name = name
         self.urdf = urdf
-        self.root = pose
         self.model = RobotModel(engine.client, urdf, pose)
         self._links: dict[str, PyBulletLink] = {}
         self._free_joints()
@@ -138,9 +122,9 @@ class PyBulletRobot:
             self._links[name] = PyBulletLink(self.engine, self.model, self.model.link(name))
         return self._links[name]
 
-    def positions(self) -> tuple[float, ...]:
-        """Returns the positions of all movable joints."""
-        return self.motion()[::2]
+    def link_poses(self) -> Mapping[str, Pose]:
+        """Returns the poses of all links in the map."""
+        return {name: self.model.link_pose(number) for name, number in self.model.links.items()}
 
     def motion(self) -> tuple[float, ...]:
         """Returns position and velocity of each movable joint in turn."""

@@ -32,7 +32,7 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.journal.data_directory import make_folder
 from skiros_py.world.scene.writer import scene_turtle
 
-_PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-planner")
+_PACKAGES = ("skiros-py", "pybullet", "mujoco-core", "numpy", "up-fast-downward", "kairos-planner")
 """Packages whose versions are recorded."""
 
 

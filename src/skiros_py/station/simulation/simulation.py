@@ -76,7 +76,7 @@ class Simulation:
             cycle = session.cycle
             return SimulationState.view_of(
                 cycle.board.snapshot,
-                driver=session.options.driver or ("fake" if session.options.fake else session.options.engine),
+                driver=session.options.driver or ("fake" if session.options.fake else session.options.simulation),
                 simulates=session.simulates,
                 running=not cycle.halted,
                 halted=cycle.halted,

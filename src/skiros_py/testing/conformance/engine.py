@@ -175,6 +175,18 @@ class EngineContract(ABC):
 
         assert trolley.read().velocities[0] == pytest.approx(0.3, rel=0.03)
 
+    def test_motors_say_what_they_apply_to_accelerate_a_joint(self, engine: Engine, crane: SimulatedRobot) -> None:
+        self.needs_dynamics()
+        self.hold(crane, slew=0.0, counter=0.0)
+        trolley = crane.joints(("trolley",))
+        efforts = []
+        for step in range(1, 101):
+            trolley.drive_velocities((0.002 * step,), effort=400.0)
+            engine.step()
+            efforts.append(trolley.read().efforts[0])
+
+        assert efforts[20:] == pytest.approx([1.5 * 0.002 / _PERIOD] * 80, rel=0.05)
+
     def test_a_coupled_joint_moves_by_its_ratio(self, engine: Engine, crane: SimulatedRobot) -> None:
         self.hold(crane, slew=0.0)
         crane.joints(("trolley", "counter")).couple(ratio=1.0, effort=1000.0)
