@@ -330,7 +330,7 @@ class Speeds:
                 gain = 2.0 * step * min(driving - bending * here, turning - swerving * here)
                 after = index + (1 if order.step > 0 else -1)
                 found[after] = min(found[after], here + gain)
-        return np.sqrt(found)
+        return np.asarray(np.sqrt(found))
 
     def duration(self, curve: Curve) -> float:
         """Returns how long a curve takes from rest to rest [s]."""
