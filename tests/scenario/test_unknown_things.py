@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from skiros_primitives.contact import believe_obstacle
+from skiros_py.devices.arm import ArmState
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.truth import Truth
+from skiros_py.skills.outcome import Success
 from skiros_py.station.session import Session
 from skiros_py.world import vocabulary as v
 
@@ -110,3 +112,19 @@ def test_an_arm_that_meets_something_yields_at_once_and_says_so(
     assert pressed[-200:].mean() <= 140.0
     assert session.world.instances(v.OBSTACLE)
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
+def test_an_arm_is_turned_aside_before_its_base_drives_to_where_it_would_reach_over_something(
+    open_session: Callable[..., Session],
+) -> None:
+    session = open_session("kitting", seed=1)
+    believe_obstacle(session.world, "test", Pose((4.75, 1.6, 0.85)), (0.2, 0.6, 0.3), "a shelf over the pallet")
+
+    elsewhere = session.run_module("stow_arms", {"robot": "robot_1", "location": "kit_1"})
+    home = session.cycle.board.snapshot.state("arm_1", ArmState).positions
+    there = session.run_module("stow_arms", {"robot": "robot_1", "location": "pallet_a"})
+    aside = session.cycle.board.snapshot.state("arm_1", ArmState).positions
+
+    assert isinstance(elsewhere, Success)
+    assert isinstance(there, Success)
+    assert abs(abs(aside[0] - home[0]) - math.pi / 2.0) < 0.05

@@ -127,9 +127,13 @@ _HOME = 0.05
 
 
 def carrying_postures(arm: ArmSpec) -> list[tuple[float, ...]]:
-    """Returns the postures in which the base of an arm may drive, best first: home, and home with the hand turned."""
-    *others, last = arm.home
-    return [(*others, last + quarters * math.pi / 2.0) for quarters in (0, 1, -1, 2, -2)]
+    """Returns the postures in which the base of an arm may drive, best first.
+
+    They are home, home with the hand turned, and home turned aside, where nothing reaches over what is ahead.
+    """
+    first, *others, last = arm.home
+    turned = [(first, *others, last + quarters * math.pi / 2.0) for quarters in (0, 1, -1, 2, -2)]
+    return [*turned, *((first + side * math.pi / 2.0, *others, last) for side in (1, -1))]
 
 
 def is_stowed(context: RunContext, arm: ArmSpec) -> bool:

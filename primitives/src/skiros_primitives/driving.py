@@ -107,11 +107,6 @@ class DrivingPrimitive(Primitive[Any]):
     seen: Sequence[str] = ()
     """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
 
-    def rides(self, element: str) -> bool:
-        """Returns True when an element moves with the base."""
-        frames = self.world.objects(element, v.POSE_FRAME)
-        return any(frame == self.params.base or self.rides(frame) for frame in frames)
-
     def leave(self, reason: str) -> None:
         """Places the robot on the floor: it is at no location while it drives."""
         floors = self.world.instances(v.FLOOR)
@@ -325,7 +320,9 @@ class DriveBase(DrivingPrimitive):
         return (yield from self.wait(planner.plan(request)))
 
     def _things(self) -> tuple[Obstacle, ...]:
-        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
+        robot = self.context.cell.group_of(self.params.base)
+        there = obstacles(self.context, parts=False)
+        carried = frozenset(one.id for one in there if floor_obstacles.rides(self.context, one.id, robot))
         return obstacles(self.context, parts=False, without=carried)
 
     def _wait_until_free(self, way: Way, outline: Outline, deadline: float) -> Execution[Path | Failure | None]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from types import MappingProxyType
 
 import numpy as np
 import shapely
@@ -17,9 +18,9 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, reach
+from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, placed, reach
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.surroundings import held_by, map_pose
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles
 from skiros_py.world import vocabulary as v
 
 _HEIGHT = 1.2
@@ -29,6 +30,10 @@ _HAND = 0.12
 _CORNERS = 8
 _LINK = 0.08
 """How far links stick out around the line between their joints [m]."""
+_PARTS = 0.15
+"""Height of parts that may stand on things [m]."""
+_APART = 0.03
+"""Smallest distance from things in a posture for travelling [m]."""
 
 
 def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
@@ -82,14 +87,22 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 
-def shape(context: RunContext, robot: RobotSpec) -> tuple[Layer, ...]:
-    """Returns what a robot covers with its arms as they are: its base up to its full height, and what sticks out."""
+def shape(
+    context: RunContext, robot: RobotSpec, postures: Mapping[str, Sequence[float]] = MappingProxyType({})
+) -> tuple[Layer, ...]:
+    """Returns what a robot covers: its base up to its full height, and what of its arms sticks out.
+
+    Args:
+        context: The run.
+        robot: The robot.
+        postures: Joint angles of arms, by id [rad]; the others are as they are.
+    """
     layers = [Layer(tuple(robot.outline))]
     base = shapely.MultiPoint(list(robot.outline)).convex_hull
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
-            around = [_covered(points, radius) for points, radius in _pieces(context, robot, arm, kinematics)]
+            around = [_covered(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))]
             out = [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
             if out:
                 hull = shapely.MultiPoint(outline(out)).convex_hull
@@ -98,14 +111,38 @@ def shape(context: RunContext, robot: RobotSpec) -> tuple[Layer, ...]:
     return tuple(layers)
 
 
+def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Sequence[float], pose: Pose) -> bool:
+    """Returns whether an arm would touch something, or a part that may stand on it, where its robot stands at a pose.
+
+    Args:
+        context: The run.
+        robot: The robot.
+        arm: Id of the arm.
+        posture: Its joint angles [rad].
+        pose: Pose of the base in the map.
+    """
+    things = [one for one in obstacles(context, parts=False) if not rides(context, one.id, robot)]
+    for layer in shape(context, robot, {arm: posture})[1:]:
+        area, bottom = placed(layer.outline, pose), layer.bottom - _PARTS
+        if any(shapely.dwithin(floor_area(one.solid, one.pose, bottom, layer.top), area, _APART) for one in things):
+            return True
+    return False
+
+
+def rides(context: RunContext, element: str, robot: RobotSpec) -> bool:
+    """Returns whether an element moves with the base of a robot."""
+    frames = context.world.objects(element, v.POSE_FRAME)
+    return any(robot.has(frame) or rides(context, frame, robot) for frame in frames)
+
+
 def _pieces(
-    context: RunContext, robot: RobotSpec, arm: ArmSpec, kinematics: Kinematics
+    context: RunContext, robot: RobotSpec, arm: ArmSpec, kinematics: Kinematics, posture: Sequence[float] | None
 ) -> Iterator[tuple[Array, float]]:
     """Yields the ends of each link of an arm, and the corners of what it holds, with how far it sticks out around them.
 
     All in the frame of the base [m].
     """
-    positions = context.board.snapshot.state(arm.id, ArmState).positions
+    positions = context.board.snapshot.state(arm.id, ArmState).positions if posture is None else posture
     poses = kinematics.poses(dict(zip(arm.joints, positions, strict=True)))
     link = arm.tip
     while (parent := kinematics.parents.get(link, BASE_LINK)) != BASE_LINK:

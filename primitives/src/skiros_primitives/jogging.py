@@ -266,7 +266,8 @@ class JogBase(DrivingPrimitive):
 
     def _touched(self, start: Pose, path: Path) -> str:
         """Returns the things that would be touched or come too near; empty if the way is free."""
-        things = [o for o in obstacles(self.context, parts=False) if not self.rides(o.id)]
+        there = obstacles(self.context, parts=False)
+        things = [one for one in there if not floor_obstacles.rides(self.context, one.id, self._robot)]
         robots = floor_obstacles.standing(self.context, self.params.robot, margin=0.0)
         shape = floor_obstacles.shape(self.context, self._robot)
         near = [id_ for layer in shape for id_ in _nearing((*things, *robots), layer, start, path)]

@@ -54,7 +54,7 @@ def inner_region(context: RunContext, compartment: str) -> Region | str:
     return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0), exact=True)
 
 
-_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
+_LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
 _VIEWS = 4
 """The camera is turned to so many sides."""

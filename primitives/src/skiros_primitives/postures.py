@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive, carrying_postures, is_stowed
-from skiros_py.devices.arm import ArmSpec
+from skiros_primitives.floor_obstacles import reaches_over
+from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.gripper import GripperSpec, GripperState
+from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import JointMove, NoMotion
+from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.world.vocabulary import ARM, HELD_BY, ROBOT
+from skiros_py.skills.surroundings import map_pose
+from skiros_py.world.vocabulary import ARM, DRIVING_POSE, HELD_BY, LOCATION, ROBOT
 
+_POSTURES = {0: Message("home"), 5: Message("home, turned aside"), 6: Message("home, turned aside")}
+"""What postures for travelling are called; the others are with the hand turned."""
 _FELT = 2.0
 """Finger force from which the gripper counts as holding something [N]."""
 
@@ -70,6 +77,7 @@ class MoveArm(ArmPrimitive):
         """Parameters."""
 
         arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
+        location: str | None = param(LOCATION, "Where the base drives next; left out: anywhere.", kind=Kind.OPTIONAL)
 
     def execute(self) -> Execution[Outcome]:
         """Plans and moves: home, or else to another posture for carrying."""
@@ -78,10 +86,12 @@ class MoveArm(ArmPrimitive):
             return Success(Message("home")) if refusal is None else self._stuck(refusal)
         postures = carrying_postures(self.arm.spec)
         stuck: NoMotion | None = None
-        for number in self.context.tried.fresh("posture", range(len(postures))):
+        robot, spec, location = self.robot, self.arm.spec, self.params.location
+        fitting = [n for n, posture in enumerate(postures) if fits(self.context, robot, spec, posture, location)]
+        for number in self.context.tried.fresh("posture", fitting or range(len(postures))):
             refusal = yield from self.go([(JointMove(postures[number]),)])
             if refusal is None:
-                return Success(Message("home") if not number else Message("home, with the hand turned"))
+                return Success(_POSTURES.get(number, Message("home, with the hand turned")))
             self.context.tried.note("posture", number, Message("posture {number}", number=number + 1))
             stuck = stuck or refusal
             if refusal.met:
@@ -93,23 +103,31 @@ class MoveArm(ArmPrimitive):
         return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
 
 
-class StowArms(Primitive[Any]):
-    """Moves all arms to their travelling posture: a base must not drive with an extended arm.
+def fits(context: RunContext, robot: RobotSpec, arm: ArmSpec, posture: Sequence[float], location: str | None) -> bool:
+    """Returns whether an arm in a posture touches nothing where its base stands, and where it works at a location."""
+    poses = [robot.pose(context.board.snapshot, context.board.guard)]
+    if location is not None:
+        place, driving = map_pose(context, location), context.world.value(location, DRIVING_POSE)
+        poses += [place @ driving] if place is not None and isinstance(driving, Pose) else []
+    return not any(reaches_over(context, robot, arm.id, posture, pose) for pose in poses)
 
-    The base's paths are planned for its outline alone.
-    """
+
+class StowArms(Primitive[Any]):
+    """Moves all arms to postures for travelling, which must not touch what stands where the base drives."""
 
     name: ClassVar[str] = "stow_arms"
     takes: ClassVar[tuple[str, ...]] = ("robot",)
 
     robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+    location: str | None = param(LOCATION, "Where the base drives next; left out: anywhere.", kind=Kind.OPTIONAL)
 
     def execute(self) -> Execution[Outcome]:
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.robot)
         for arm in robot.of(ArmSpec):
-            if not is_stowed(self.context, arm):
-                outcome = yield from self.call("move_arm", arm=arm.id)
+            now = self.context.board.snapshot.state(arm.id, ArmState).positions
+            if not (is_stowed(self.context, arm) and fits(self.context, robot, arm, now, self.location)):
+                outcome = yield from self.call("move_arm", arm=arm.id, location=self.location)
                 if isinstance(outcome, Failure):
                     return outcome
         return Success(Message("stowed"))

@@ -31,7 +31,7 @@ DESCRIPTION = SkillDescription(
 DRIVE = Skill(
     DESCRIPTION,
     Sequence.of(
-        Do.of("stow_arms", robot=P("Robot")),
+        Do.of("stow_arms", robot=P("Robot"), location=P("Location")),
         Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")),
     ),
     takes=("Robot",),  # no arm may move while the base drives
