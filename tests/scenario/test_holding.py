@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from skiros_primitives.arm_moves import carrying_postures
 from skiros_primitives.contact import believe_obstacle
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.geometry import Pose, Solid
@@ -92,11 +93,12 @@ def test_a_part_that_moves_before_it_is_grasped_is_held_as_it_sits_or_grasped_ag
     assert [("gap 0 mm" in reason) for reason in reasons] == [True, False]
     put_back(session, "alternator_1")
 
-    home = tip(session, arm_of(session).home)
-    x, y, z = home.position
-    block, size = Pose((x, y, z - 0.07)), (0.08, 0.08, 0.09)  # where the fingers are in every posture for carrying
-    lifting = announced(session, "lifting")
-    when(session, lifting, lambda: believe_obstacle(session.world, "test", block, size, "something is there"))
+    def block_postures() -> None:
+        for posture in carrying_postures(arm_of(session)):
+            x, y, z = tip(session, posture).position
+            believe_obstacle(session.world, "test", Pose((x, y, z - 0.07)), (0.08, 0.08, 0.09), "at the fingers")
+
+    when(session, announced(session, "lifting"), block_postures)
     report, reasons = pick(session, "starter_1")
     assert not report.reached
     assert ["cannot go home" in reason for reason in reasons] == [True] * 3

@@ -158,4 +158,4 @@ def _reversed(way: Trajectory) -> Trajectory:
 
 
 def _felt(state: GripperState) -> str:
-    return Message("gap {gap:.0f} mm, force {force:.0f} N", gap=state.gap * 1000.0, force=state.force)
+    return Message("gap {gap:.0f} mm, force {force:.0f} N", gap=max(0.0, state.gap) * 1000.0, force=state.force)
