@@ -80,7 +80,8 @@ class ContactWatch:
         self._kinematics = context.port(Kinematics, arm.id)
         self._dynamics = context.port(Dynamics, arm.id)
         self._arm = arm
-        self._period = context.board.period
+        self._board = context.board
+        self._asked = context.board.snapshot.time
         self._expected = expected
         self._before = np.asarray(arm.state.velocities)
         left, lever = self._left(arm.state, np.zeros(len(self._before))), self._lever(arm.state)
@@ -101,11 +102,14 @@ class ContactWatch:
         return cls(context, arm, expected=expected) if known and arm.state.efforts else None
 
     def felt(self) -> Touch | None:
-        """Returns the contact in this cycle, or None."""
+        """Returns the contact in this cycle, or None; also None in the first cycle after a pause."""
         state = self._arm.state
         velocities = np.asarray(state.velocities)
-        left = self._left(state, (velocities - self._before) / self._period)
+        elapsed, self._asked = self._board.snapshot.time - self._asked, self._board.snapshot.time
+        left = self._left(state, (velocities - self._before) / self._board.period)
         self._before = velocities
+        if elapsed > 1.5 * self._board.period:  # how the arm came to its present speed was not seen
+            return None
         lever = self._lever(state)
         over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
         return self._touch(state, left, float(over.max())) if over.max() > _TOLERANCE else None
