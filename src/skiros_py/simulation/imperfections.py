@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.ndimage import maximum_filter, minimum_filter
 
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import BodySpec, CellSpec
@@ -71,6 +70,8 @@ def measured_depth(depth: Array, noise: float, rng: np.random.Generator, scale: 
         rng: Source of the errors.
         scale: Factor of all that is more than this noise, the same at every distance.
     """
+    from scipy.ndimage import maximum_filter, minimum_filter  # half a second of imports that most processes never need
+
     seen = np.isfinite(depth)
     distance = np.where(seen, depth, 0.0)
     growing = 1.0 + scale * ((distance / _NOISE_AT) ** 2 - 1.0)
