@@ -36,7 +36,14 @@ def test_without_an_annotation_the_alphabetically_first_parent_is_primary(root: 
 
 def test_subclasses_and_sub_relations_include_the_term_itself_first(ontology: Ontology) -> None:
     assert ontology.subclasses("sk:Root") == ("sk:Root", "sk:Floor", "sk:UnknownLocation")
-    assert ontology.sub_relations("sk:placement") == ("sk:placement", "sk:at", "sk:heldBy", "sk:in", "sk:mayBeIn", "sk:on")
+    assert ontology.sub_relations("sk:placement") == (
+        "sk:placement",
+        "sk:at",
+        "sk:heldBy",
+        "sk:in",
+        "sk:mayBeIn",
+        "sk:on",
+    )
 
 
 def test_the_family_of_a_relation_follows_from_its_super_relation(ontology: Ontology) -> None:
