@@ -1,4 +1,4 @@
-"""Manipulation in scenes that nobody has tuned to, in physics: campaigns of generated scenes, judged by the truth.
+"""Manipulation in scenes that it was not tuned to, in physics: campaigns of generated scenes, judged by the truth.
 
     uv run --group test python benchmarks/manipulation.py --campaign standing --seeds 4 --half odd
 
@@ -84,7 +84,7 @@ _STAYS = 0.01
 
 
 class Compartments(Campaign):
-    """A kit with little play, shifted after it was registered; one of its compartments has a part nobody told of."""
+    """A kit with little play, shifted after it was registered; one of its compartments has a part that the robot does not know of."""
 
     name = "compartments"
     scene = staticmethod(scenes.compartments)
@@ -117,7 +117,7 @@ class Compartments(Campaign):
 
     @staticmethod
     def _fill_one(stage: Stage, chance: Chance) -> None:
-        """Puts a part, as one that is there already, into an empty compartment; nobody tells the robot."""
+        """Puts a part, as one that is there already, into an empty compartment; the robot does not know."""
         bodies = {body.id: body for body in stage.session.spec.bodies}
         like = chance.some(("part_3", "part_4"), 1)[0]
         full = {stage.truth.placements()[part] for part in ("part_3", "part_4")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from abc import ABC, abstractmethod
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -237,14 +238,14 @@ class Trial:
         return all(one.true for one in self.conditions)
 
 
-class Campaign:
+class Campaign(ABC):
     """What is tried in many scenes; a campaign of its own overrides what is different in it."""
 
     name = ""
 
+    @abstractmethod
     def scene(self, seed: int) -> Scene:
         """Generates a scene."""
-        raise NotImplementedError
 
     def run(self, stage: Stage) -> dict[str, float]:
         """Runs a scene, and returns what is measured besides conditions and contacts."""
@@ -259,9 +260,9 @@ class Campaign:
         """Yields what else was not as it should be, for people."""
         yield from ()
 
+    @abstractmethod
     def figures(self, trials: Sequence[Trial]) -> list[Figure]:
         """Returns the figures of all scenes."""
-        raise NotImplementedError
 
     def trial(self, scene: Scene, folder: Path, *, pictures: bool = False) -> Trial:
         """Runs one scene, and judges it."""

@@ -148,7 +148,7 @@ class Locate(LookingPrimitive):
         return self.in_vain(why)
 
     def _believe_taller(self, look: DetectionResult) -> None:
-        """Writes that things are in the way that are higher than parts and known to nobody."""
+        """Writes that things are in the way that are higher than parts and not in the world model."""
         known = (*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id))
         points = unexplained(np.reshape(look.taller, (-1, 3)), known, on_top=0.0)
         if len(points) >= _FEWEST:

@@ -33,7 +33,7 @@ Pieces = tuple[Array, ...]
 
 
 class KeptPaths:
-    """Searched paths of one arm, by where they begin and end and what stands there; whoever reuses one checks it anew.
+    """Searched paths of one arm, by where they begin and end and what stands there; each is checked again before it is reused.
 
     None is replaced by a later one, so that equal requests have equal answers.
     """

@@ -61,7 +61,7 @@ class MujocoEngine(RenderedWorld[Body, MujocoRobot]):
     """A :class:`skiros_py.ports.simulation.Engine`.
 
     Bodies without mass are MuJoCo's mocap bodies: they stay where they are put, and collide with what moves only.
-    Adding and removing compiles the model anew, which changes all numbers in it; names stay.
+    Adding and removing compiles the model again, which changes all numbers in it; names stay.
 
     Args:
         period: Length of one step [s].
@@ -141,7 +141,7 @@ class MujocoEngine(RenderedWorld[Body, MujocoRobot]):
         mujoco.mj_forward(self.model, self.data)  # contacts are as they were
 
     def _look_up(self) -> None:
-        """Finds everything in a model that has been compiled anew."""
+        """Finds everything in a model that has been compiled again."""
         model = self.model
         self._numbers = {model.body(number).name: number for number in range(model.nbody)}
         owners = [self._owners[name] for name in self._numbers]

@@ -54,7 +54,7 @@ class Motors:
         self._forget(range(first, len(self._on)))
 
     def look_up(self, model: Any) -> None:
-        """Finds the joints in a model that has been compiled anew."""
+        """Finds the joints in a model that has been compiled again."""
         joints = [model.joint(name) for name in self.names]
         self._positions = np.array([joint.qposadr[0] for joint in joints], np.intp)
         self._velocities = np.array([joint.dofadr[0] for joint in joints], np.intp)
