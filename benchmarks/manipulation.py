@@ -84,7 +84,7 @@ _STAYS = 0.01
 
 
 class Compartments(Campaign):
-    """A kit with little play, shifted after it was registered; one of its compartments has a part that the robot does not know of."""
+    """A kit with little play, shifted after it was registered; one compartment has a part unknown to the robot."""
 
     name = "compartments"
     scene = staticmethod(scenes.compartments)

@@ -33,7 +33,7 @@ Pieces = tuple[Array, ...]
 
 
 class KeptPaths:
-    """Searched paths of one arm, by where they begin and end and what stands there; each is checked again before it is reused.
+    """Searched paths of one arm, by where they begin and end and what stands there; checked again before reuse.
 
     None is replaced by a later one, so that equal requests have equal answers.
     """
