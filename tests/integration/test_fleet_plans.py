@@ -54,6 +54,14 @@ def test_more_robots_never_take_longer_and_stay_near_the_bound() -> None:
     assert all(run.valid == (True, True) for run in runs)
 
 
+def test_robots_that_would_be_in_the_way_of_others_are_left_out() -> None:
+    # Dispatching all eight robots to twelve parts takes longer (230 s) than leaving half of them where they are.
+    all_of_them, some = (measure(12, robots, seed=0, tries=0, outside=False) for robots in (8, 4))
+
+    assert all_of_them.makespan < 230.0
+    assert all_of_them.makespan <= some.makespan
+
+
 def test_further_tries_give_no_longer_plan_and_the_same_one_every_time() -> None:
     first, better, again = (planned(*wanted, tries) for tries in (0, 60, 60) for wanted in [_crowd(8, 4)])
 

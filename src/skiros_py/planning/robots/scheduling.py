@@ -183,14 +183,28 @@ class Scheduler:
         self._empty = Schedule(task)
         self._docking = Docking(task)
         self._moves = {robot: tuple(_moves(task, robot)) for robot in task.teams}
+        self._seed = seed
         self._random = random.Random(seed)  # noqa: S311
 
     def best(self, tries: int) -> Schedule | None:
         """Returns the best schedule found; None if there is none.
 
+        Robots may be in each other's way: if not all are of use, half of them are tried, a quarter, and so on.
+
         Args:
-            tries: How often the first schedule is changed in order to improve it.
+            tries: How often the first schedule for so many robots is changed in order to improve it.
         """
+        found = self._searched(tries)
+        robots = list(dict.fromkeys(way.robot for chain in self._chains for way in chain))
+        some = robots[: len(robots) // 2]
+        fewer = [[way for way in chain if way.robot in some] for chain in self._chains]
+        if (found is not None and found.makespan <= self._bound + _SAME) or not all(fewer):
+            return found
+        other = Scheduler(self._task, fewer, self._seed).best(tries)
+        return min((one for one in (found, other) if one is not None), key=_score, default=None)
+
+    def _searched(self, tries: int) -> Schedule | None:
+        """Returns the best schedule found in which every robot may do something."""
         best = self._run({r: [w for chain in self._chains for w in chain if w.robot == r] for r in self._moves}, False)
         for _ in range(tries if best else 0):
             if best is None or best.now.makespan <= self._bound + _SAME:
