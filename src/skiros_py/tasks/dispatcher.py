@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
 from skiros_py.errors import DiskFault, UsageError, WorldError
 from skiros_py.execution.running import RunningModule
 from skiros_py.messages import Message
-from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.context import Tried
@@ -20,10 +19,7 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.reservations import in_hands, robot_of, used_by
 from skiros_py.tasks.trace import StepRun, TraceEventKind, describe_step, step_id
 from skiros_py.world.stock import take
-from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DEVICE, ROBOT
-
-_HARDWARE = (ROBOT, DEVICE)
+from skiros_py.world.terms import reached
 
 
 @dataclass(slots=True, eq=False)
@@ -92,14 +88,7 @@ class Agenda:
 
     def leads_to(self, earlier: int, later: int) -> bool:
         """Returns True if the later step has to wait for the earlier one, directly or transitively."""
-        open_, seen = [later], set[int]()
-        while open_:
-            before = self._after[open_.pop()] - seen
-            if earlier in before:
-                return True
-            seen |= before
-            open_ += before
-        return False
+        return earlier in reached(self._after[later], lambda index: self._after[index])
 
     def with_running(self, running: Sequence[Active], shared: Collection[tuple[int, int]]) -> Agenda:
         """Returns the agenda, of which no step has ended, preceded by steps of another plan that are already running.
@@ -162,14 +151,16 @@ class Dispatcher:
     Args:
         task: The task, with its control requests.
         context: The task's environment: world, managers, reservations.
-        tried: What was tried in vain, by purpose.
+        tried: Returns what was tried in vain for the same purpose as a step of a skill.
 
     Attributes:
         lends: True while the task waits for the user: no step may start, and other tasks may use what is at rest,
             except robots that hold a thing of this task, so that it is not put down elsewhere.
     """
 
-    def __init__(self, task: TaskHandle, context: TaskContext, tried: MutableMapping[tuple[str, ...], Tried]) -> None:
+    def __init__(
+        self, task: TaskHandle, context: TaskContext, tried: Callable[[Step, SkillDescription], Tried]
+    ) -> None:
         self.lends = False
         self._tried = tried
         self._task = task
@@ -369,7 +360,7 @@ class Dispatcher:
             if run.agent not in managers:
                 raise UsageError("the skill manager of {agent} is gone", agent=run.agent)
             parent = step_id(task, run.number)
-            tried = self._tried[self._purpose(run.step)]
+            tried = self._tried(run.step, self._skills[run.step.skill])
             running = managers[run.agent].start(
                 run.step.skill, run.step.arguments, task=task, parent=parent, tried=tried
             )
@@ -434,8 +425,8 @@ class Dispatcher:
             if outcome.code != CANCELLED:
                 what = TraceEventKind.FAILED
                 text = Message("{step} failed: {reason}", step=said, reason=outcome.reason)
-            tried = self._tried[self._purpose(run.step)]
-            more = {"reason": outcome.reason, "code": outcome.code, "tried": tried.as_json(), **outcome.values}
+            tried = self._tried(run.step, self._skills[run.step.skill]).as_json()
+            more = {"reason": outcome.reason, "code": outcome.code, "tried": tried, **outcome.values}
             self._trace.write(what, text, data | more, run)
         else:
             self._trace.write(
@@ -487,22 +478,8 @@ class Dispatcher:
     def _agent(self, step: Step) -> str:
         return step.arguments[self._skills[step.skill].agent]
 
-    def _purpose(self, step: Step) -> tuple[str, ...]:
-        return purpose(step, self._skills[step.skill], self._context.world)
-
     def _said(self, step: Step) -> str:
         return describe_step(step, self._skills[step.skill])
-
-
-def purpose(step: Step, skill: SkillDescription, view: WorldView) -> tuple[str, ...]:
-    """Returns a skill with what it moves: whatever its target is, that is tried again."""
-    concerned = dict.fromkeys(key for post in skill.post for key in post.arguments)
-    hardware = [
-        key for key in concerned if any(view.ontology.is_a(skill.param(key).element_class, c) for c in _HARDWARE)
-    ]
-    moved = [key for key in concerned if key not in hardware and key != skill.target] or [skill.target]
-    values = with_defaults(skill, step.arguments)
-    return (step.skill, *(str(values[key]) for key in moved if key in values))
 
 
 def _cancelled(step: str, why: str) -> Message:

@@ -16,7 +16,7 @@ from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.dispatcher import StepEnd, purpose
+from skiros_py.tasks.dispatcher import StepEnd
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
@@ -38,7 +38,6 @@ class TaskRecord:
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Targets on which a skill failed too often.
-        tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
         worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
         no_plan: Why there was no initial plan.
@@ -53,7 +52,6 @@ class TaskRecord:
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
         self.left_out: set[str] = set()
-        self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
         self.no_plan: tuple[str, ...] = ()
@@ -65,6 +63,7 @@ class TaskRecord:
         self._attempts = attempts
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, ...]] = Counter()
+        self._tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self._reasons: dict[str, tuple[str, Tried]] = {}
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
@@ -90,7 +89,7 @@ class TaskRecord:
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._reasons.pop(target, None)  # the latest failure is the last entry
-            self._reasons[target] = reason, self.tried[purpose(step, skill, self._view)]
+            self._reasons[target] = reason, self.tried(step, skill)
             self._count_failure(step, skill, reason)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
@@ -102,7 +101,7 @@ class TaskRecord:
         So a part that fits nowhere is not tried in every compartment, nor a base that cannot leave at every location.
         """
         target, agent = step.arguments[skill.target], step.arguments[skill.agent]
-        moved = purpose(step, skill, self._view)
+        moved = self._purpose(step, skill)
         keys = {(step.skill, target), moved, *([(step.skill, agent, reason)] if self._goal else [])}
         self._failures.update(keys)
         if any(self._failures[key] >= self._attempts for key in keys):
@@ -113,11 +112,25 @@ class TaskRecord:
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
-        self.tried.clear()
+        self._tried.clear()
         self.worn_out.clear()
         self.left_out.clear()
-        for target in [t for t in self._reasons if any(self._fits(t, a) for a in condition.arguments)]:
-            del self._reasons[target]
+        self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
+
+    def tried(self, step: Step, skill: SkillDescription) -> Tried:
+        """Returns what was tried in vain for the purpose of a step, over retries and new plans."""
+        return self._tried[self._purpose(step, skill)]
+
+    def _purpose(self, step: Step, skill: SkillDescription) -> tuple[str, ...]:
+        """Returns a skill with what it moves: whatever its target is, that is tried again."""
+        moved = [key for key in self._moved(skill) if key != skill.target] or [skill.target]
+        values = with_defaults(skill, step.arguments)
+        return (step.skill, *(str(values[key]) for key in moved if key in values))
+
+    def _moved(self, skill: SkillDescription) -> Iterable[str]:
+        """Returns the parameters of what a skill changes, other than robots and devices."""
+        is_a, changed = self._view.ontology.is_a, dict.fromkeys(key for post in skill.post for key in post.arguments)
+        return [key for key in changed if not any(is_a(skill.param(key).element_class, c) for c in (ROBOT, DEVICE))]
 
     # ------------------------------------------------------------------ conditions
 
@@ -176,7 +189,7 @@ class TaskRecord:
 
     def why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
         """Returns the last failure; if there was none, why there is no plan."""
-        failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
+        failed = [(target, why) for target, why in self._reasons.items() if self._concerns(condition, target)]
         if not failed:
             return given_up.get(condition, Message("it does not hold any more"))
         target, (reason, tried) = failed[-1]
@@ -191,25 +204,21 @@ class TaskRecord:
         skill = self._skills[step.skill]
         if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).element_class):
             return False
-        moved = {
-            a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).element_class)
-        }
         values = with_defaults(skill, step.arguments)
-        subjects = {values[key] for key in moved | {skill.target} if key in values}
-        return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
+        return any(
+            self._concerns(condition, values[key]) for key in (*self._moved(skill), skill.target) if key in values
+        )
 
     def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
         """Returns True if the condition names an element of the target's class other than this target."""
         named = [a for a in condition.arguments if self._view.has(a)]
         return target not in named and any(self._is_a(a, class_) for a in named)
 
-    def _is_hardware(self, class_: str) -> bool:
-        return any(self._view.ontology.is_a(class_, own) for own in (ROBOT, DEVICE))
-
-    def _fits(self, element: str, argument: str) -> bool:
-        if argument in self._view.ontology.classes:
-            return self._view.has(element) and self._is_a(element, argument)
-        return element == argument
+    def _concerns(self, condition: Condition, element: str) -> bool:
+        """Returns True if a condition names an element or a class of it."""
+        classes = [a for a in condition.arguments if a in self._view.ontology.classes]
+        named = set(condition.arguments).difference(classes)
+        return element in named or (self._view.has(element) and any(self._is_a(element, c) for c in classes))
 
     def _is_a(self, element: str, class_: str) -> bool:
         return self._view.ontology.is_a(self._view.element(element).type, class_)
