@@ -7,7 +7,7 @@ a skill is the parent of the claims of its parts, which divide among each other 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from itertools import takewhile
 from typing import Any
@@ -17,8 +17,8 @@ from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.parameters import Access, Kind, Param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import owner
-from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DEVICE, HAS_A, LOCATION
+from skiros_py.world.view import WorldView, pieces
+from skiros_py.world.vocabulary import DEVICE, LOCATION
 
 
 class Claim(AbstractContextManager["Claim"]):
@@ -186,13 +186,6 @@ def complete(view: WorldView, params: Iterable[Param], values: Mapping[str, Any]
     return filled
 
 
-def pieces(view: WorldView, whole: str) -> Iterator[str]:
-    """Yields an element and everything it is built of, from the top."""
-    yield whole
-    for piece in view.objects(whole, HAS_A):
-        yield from pieces(view, piece)
-
-
 def standstill(board: DeviceBoard, claim: Claim) -> Execution[None]:
     """Waits until the devices of an ended run stand, for the braking time at most; shared ones may go on moving."""
     end, devices = board.now + board.braking_time, claim.devices - claim.shared
@@ -202,7 +195,7 @@ def standstill(board: DeviceBoard, claim: Claim) -> Execution[None]:
 
 def _nearest(view: WorldView, class_: str, agent: str) -> str | None:
     robot = owner(view, agent)
-    circles = [[agent], list(pieces(view, agent)), [robot] if robot else [], list(pieces(view, robot)) if robot else []]
+    circles = [(agent,), pieces(view, agent), *([(robot,), pieces(view, robot)] if robot else ())]
     for circle in circles:
         fitting = [element for element in circle if view.ontology.is_a(view.element(element).type, class_)]
         if fitting:

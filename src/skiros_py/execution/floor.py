@@ -16,7 +16,7 @@ no one else, not even for wishes, so that no arm and no base ever wait for each 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -29,6 +29,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.paths import Outline, Path, placed, swept
+from skiros_py.world.terms import reached
 
 _MARGIN = 0.06
 """Greatest distance of a base from its path [m]."""
@@ -111,8 +112,8 @@ class FloorAreas:
     def ring(self, way: FloorWay) -> list[FloorWay]:
         """Returns the ways, oldest first, whose robots wait for each other in a ring with this one's; or none."""
         standing = {other.robot: other.standing for other in self._ways if other.standing}
-        behind = {robot: _reached(robot, standing) for robot in standing}
-        own = behind.get(way.robot, set())
+        behind = {robot: reached(ahead, lambda other: standing.get(other, ())) for robot, ahead in standing.items()}
+        own = behind.get(way.robot, ())
         return [o for o in self._ways if o.robot in own and way.robot in behind.get(o.robot, ())]
 
     def _judge(self, way: FloorWay, before: Sequence[FloorWay]) -> None:
@@ -213,18 +214,6 @@ class FloorWay(AbstractContextManager["FloorWay"]):
 
     def __exit__(self, *_: object) -> None:
         self.release()
-
-
-def _reached(robot: str, standing: Mapping[str, Sequence[str]]) -> set[str]:
-    """Returns the robots that one waits for, directly or because those wait for them."""
-    found: set[str] = set()
-    ahead = [*standing[robot]]
-    while ahead:
-        other = ahead.pop()
-        if other not in found:
-            found.add(other)
-            ahead += standing.get(other, ())
-    return found
 
 
 @dataclass(frozen=True, slots=True)

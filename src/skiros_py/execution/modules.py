@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skiros_py.execution.claims import pieces
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.parameters import Kind, Output, Param
 from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
+from skiros_py.world.view import pieces
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from itertools import chain
 from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
-from skiros_py.execution.claims import Claim, Claims, pieces
+from skiros_py.execution.claims import Claim, Claims
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.loader import Loader
 from skiros_py.execution.modules import ModuleInfo, choose
@@ -36,6 +36,7 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import RunnableDocument, Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
+from skiros_py.world.view import pieces
 from skiros_py.world.vocabulary import HAS_A
 
 _PATIENCE = 1.0

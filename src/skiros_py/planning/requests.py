@@ -20,7 +20,7 @@ from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.conditions.watch import Key, ReadingView
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.skills.surroundings import owner
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
@@ -139,8 +139,7 @@ class PlanRequest:
 
     def _free(self, capability: Capability, view: WorldView) -> Capability:
         """Restricts a capability to subsystems whose robots no other task uses."""
-        robots = {agent: (owner(view, agent) if view.has(agent) else None) or agent for agent in capability.agents}
-        return replace(capability, agents=tuple(agent for agent in capability.agents if robots[agent] not in self.busy))
+        return replace(capability, agents=tuple(a for a in capability.agents if robot_of(view, a) not in self.busy))
 
 
 @dataclass(frozen=True, slots=True)

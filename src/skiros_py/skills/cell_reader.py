@@ -20,7 +20,7 @@ from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import frames, map_pose, pose_on
 from skiros_py.world.stock import Stocked, stocks
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import WorldView, pieces
 
 _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
@@ -114,7 +114,7 @@ def working_pose(view: WorldView, robot: str) -> Pose | None:
 def has_base(view: WorldView, robot: str) -> bool:
     """Returns True when one of a robot's devices moves it through the map."""
     kinds = load_device_kinds()[0]
-    found = (_kind(view, piece, kinds) for piece in _structure(view, robot))
+    found = (_kind(view, piece, kinds) for piece in pieces(view, robot)[1:])
     return any(kind is not None and issubclass(kind, MobileSpec) for kind in found)
 
 
@@ -216,7 +216,7 @@ def _pose(view: WorldView, element: str) -> tuple[str | None, Pose] | None:
 
 def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
     """Reads a robot; one that nothing moves stands where its own pose says."""
-    devices = _devices(view, _structure(view, robot), kinds)
+    devices = _devices(view, pieces(view, robot)[1:], kinds)
     spec = RobotSpec(robot, _Individual(view, robot).text(v.MODEL), devices, **_driven(view, robot, devices))
     carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
     if len(carriers) > 1:
@@ -240,7 +240,7 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
     for device in view.instances(v.DEVICE):
         if owner(view, device) is None and not any(_is_device(view, one) for one in view.subjects(v.HAS_A, device)):
             model = view.value(device, v.MODEL)
-            devices = _devices(view, [device, *_structure(view, device)], kinds)
+            devices = _devices(view, pieces(view, device), kinds)
             driven = _driven(view, device, devices)
             group = RobotSpec(device, model if isinstance(model, str) else "", devices, **driven)
             if devices:
@@ -302,11 +302,6 @@ def _kind(view: WorldView, element: str, kinds: DeviceKinds) -> type[DeviceSpec[
 
 def _is_device(view: WorldView, element: str) -> bool:
     return view.ontology.is_a(view.element(element).type, v.DEVICE)
-
-
-def _structure(view: WorldView, whole: str) -> list[str]:
-    parts = view.objects(whole, v.HAS_A)
-    return [p for part in parts for p in (part, *_structure(view, part))]
 
 
 class _Individual:

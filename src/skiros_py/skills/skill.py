@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
@@ -27,7 +27,7 @@ from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.parameters import IT, Kind, Param, check_params
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.references import check_references, variables
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import WorldView, wholes
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
 
@@ -56,23 +56,16 @@ def _of_one_robot(agent: Param, device: Param) -> Condition:
 
 
 def _is_on_robot(view: WorldView, agent: str, device: str) -> Verdict:
-    robots = (whole for whole in _wholes(view, agent) if view.ontology.is_a(view.element(whole).type, ROBOT))
+    robots = (whole for whole in wholes(view, agent) if view.ontology.is_a(view.element(whole).type, ROBOT))
     return _is_piece(view, next(robots, agent), device)
 
 
 def _is_piece(view: WorldView, whole: str, piece: str) -> Verdict:
-    holds = whole in _wholes(view, piece)
+    holds = whole in wholes(view, piece)
     said = {"piece": piece, "whole": whole}
     if holds:
         return Verdict(True, Message("{piece} is a piece of {whole}", **said))
     return Verdict(False, Message("{piece} is no piece of {whole}", **said))
-
-
-def _wholes(view: WorldView, element: str) -> Iterator[str]:
-    """Yields an element and everything that it is a piece of, from the bottom."""
-    yield element
-    for whole in view.subjects(HAS_A, element):
-        yield from _wholes(view, whole)
 
 
 @dataclass(frozen=True, slots=True)

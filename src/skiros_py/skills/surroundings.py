@@ -50,6 +50,11 @@ def owner(view: WorldView, element: str, class_: str = v.ROBOT) -> str | None:
     return None
 
 
+def robot_of(view: WorldView, agent: str) -> str:
+    """Returns the robot of a subsystem; the subsystem itself if it belongs to none or is gone."""
+    return (owner(view, agent) if view.has(agent) else None) or agent
+
+
 def held_by(context: RunContext, gripper: str) -> tuple[str, Held] | None:
     """Returns what a gripper holds, by belief: its id, and its shape at its pose in the arm's tip frame."""
     for element in context.world.subjects(v.HELD_BY, gripper):

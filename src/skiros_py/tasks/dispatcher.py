@@ -14,9 +14,10 @@ from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.tasks.context import Mode, TaskContext
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.reservations import in_hands, robot_of, used_by
+from skiros_py.tasks.reservations import in_hands, used_by
 from skiros_py.tasks.trace import StepRun, TraceEventKind, describe_step, step_id
 from skiros_py.world.stock import take
 from skiros_py.world.terms import reached

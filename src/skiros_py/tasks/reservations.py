@@ -12,7 +12,7 @@ from skiros_py.skills.conditions.effects import Assign, Effect, Relate, Unrelate
 from skiros_py.skills.conditions.pattern import NumberChange
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.skills.surroundings import owner
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.stock import is_token
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
@@ -122,11 +122,6 @@ def in_hands(view: WorldView, ids: Iterable[str]) -> frozenset[str]:
         if placement is not None and (robot := robot_of(view, placement.place)) != placement.place:
             found |= {id_, robot}
     return frozenset(found)
-
-
-def robot_of(view: WorldView, agent: str) -> str:
-    """Returns the robot of a subsystem; the subsystem itself if it belongs to none or is gone."""
-    return (owner(view, agent) if view.has(agent) else None) or agent
 
 
 def used_by(steps: Sequence[Step], skills: Mapping[str, SkillDescription], view: WorldView) -> frozenset[str]:

@@ -8,6 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.terms import reached
+from skiros_py.world.vocabulary import HAS_A
 
 if TYPE_CHECKING:
     from skiros_py.world.index import Index
@@ -167,3 +169,13 @@ class WorldView:
         base, state = self._base.forked()
         vars(other).update(_base=base)
         return other, state
+
+
+def pieces(view: WorldView, whole: str) -> tuple[str, ...]:
+    """Returns an element and everything it is built of, from the top."""
+    return reached([whole], lambda element: view.objects(element, HAS_A))
+
+
+def wholes(view: WorldView, piece: str) -> tuple[str, ...]:
+    """Returns an element and everything that it is a piece of, from the bottom."""
+    return reached([piece], lambda element: view.subjects(HAS_A, element))

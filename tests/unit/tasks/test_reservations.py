@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.planning.plan import Step
-from skiros_py.tasks.reservations import Reservations, in_hands, robot_of, used_by
+from skiros_py.skills.surroundings import robot_of
+from skiros_py.tasks.reservations import Reservations, in_hands, used_by
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE
 

@@ -34,7 +34,7 @@ from skiros_py.planning.problem.stock import superfluous
 from skiros_py.planning.replay import StepConditions
 from skiros_py.skills.conditions import Computed, Condition, Not
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.skills.surroundings import owner
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
@@ -232,8 +232,7 @@ class PlanningTask:
         """The subsystems that have skills, by robot (by their own id if they belong to none)."""
         found: dict[str, set[str]] = {}
         for agent in sorted({agent for c in self.capabilities for agent in c.agents}):
-            robot = (owner(self.view, agent) if self.view.has(agent) else None) or agent
-            found.setdefault(robot, set()).add(agent)
+            found.setdefault(robot_of(self.view, agent), set()).add(agent)
         return {robot: frozenset(agents) for robot, agents in sorted(found.items())}
 
     @cached_property
