@@ -13,11 +13,11 @@ from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Tried
-from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
+from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.dispatcher import StepEnd
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
+from skiros_py.tasks.trace import StepRun
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
 _LONGEST = 10_000
@@ -69,23 +69,20 @@ class TaskRecord:
         self._start = context.now, time.perf_counter()
         self._since: dict[Condition, tuple[float, float]] = {}
         self._version = -1
-        self._note_conditions()
+        self.note_conditions()
         self._held = frozenset(self._since)
 
-    def update(self, ended: Iterable[StepEnd]) -> None:
-        """Adds steps that have ended, and notes which conditions hold by now."""
-        for end in ended:
-            self._add(end)
-        self._note_conditions()
+    def add(self, run: StepRun, skill: SkillDescription, outcome: Outcome) -> None:
+        """Adds a step that has just ended.
 
-    def _add(self, end: StepEnd) -> None:
-        """Adds one step; being cancelled because the world changed, or obstructed, is no failure at its target."""
-        step, skill, outcome = end.run.step, end.skill, end.outcome
+        Being cancelled because the world changed, or obstructed, is no failure at its target.
+        """
+        step, time = run.step, self._context.now
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
         self.forgotten += len(self.steps) == self.steps.maxlen
         arguments = dict(step.arguments)
-        self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
+        self.steps.append(StepReport(step.skill, arguments, run.start, time, reason, arguments[skill.agent]))
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._reasons.pop(target, None)  # the latest failure is the last entry
@@ -134,8 +131,8 @@ class TaskRecord:
 
     # ------------------------------------------------------------------ conditions
 
-    def _note_conditions(self) -> None:
-        """Evaluates the conditions if the world has changed."""
+    def note_conditions(self) -> None:
+        """Notes which conditions hold by now; evaluates the conditions if the world has changed."""
         if self._version == self._view.version:
             return
         self._version = self._view.version
@@ -153,7 +150,7 @@ class TaskRecord:
 
     def report(self) -> GoalReport:
         """Returns the report at the end."""
-        self._note_conditions()
+        self.note_conditions()
         steps = tuple(self.steps)
         no_plan = () if steps else self.no_plan
         why = "; ".join(no_plan) or self.fault or ("stopped before it was reached" if self.stopped else "")

@@ -12,7 +12,6 @@ from skiros_py.planning.process import ThreadHost
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
 from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.dispatcher import StepEnd
 from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import check_steps
@@ -316,7 +315,7 @@ def test_a_sequence_that_runs_for_ever_keeps_its_last_steps_and_counts_the_other
         record = TaskRecord(context, (), 3, longest=4)
         for n in range(10):
             run = StepRun(n, Step("drive", DRIVING), "base_1", float(n))
-            record.update([StepEnd(run, DRIVE, Success(), n + 0.5)])
+            record.add(run, DRIVE, Success())
 
     assert [step.start for step in record.steps] == [6.0, 7.0, 8.0, 9.0]
     assert record.forgotten == 6

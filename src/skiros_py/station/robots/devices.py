@@ -9,7 +9,6 @@ from typing import Any, Literal
 from skiros_py.api import robots as api
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.errors import DeviceError, Refused, SkirosError, UnknownName, UsageError, WrongState
-from skiros_py.execution.claims import pieces
 from skiros_py.execution.signals import SignalLost, Signals
 from skiros_py.messages import Message
 from skiros_py.ports.device import to_plain
@@ -22,6 +21,7 @@ from skiros_py.station.modules.runs import ModuleRun, Wish
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, Service, addressed, find
 from skiros_py.station.session import Session
+from skiros_py.world.view import pieces
 from skiros_py.world.vocabulary import HELD_BY
 
 Verb = Literal["jog", "teach"]
