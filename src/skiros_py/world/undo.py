@@ -71,8 +71,7 @@ def _require(last: Change | None, expects: int | None, refusal: Callable[..., Me
     if expects is not None and (last is None or last.number != expects):
         now = Message("no change")
         if last is not None:
-            known = {"number": last.number, "author": last.author, "reason": last.reason}
-            now = Message("change {number} ({author}: {reason})", **known)
+            now = Message("change {number} ({author}: {reason})", **_said(last))
         raise StaleVersion(refusal(seen=expects, now=now))
 
 
@@ -83,10 +82,7 @@ def _revert(world: World, change: Change, reason: str, author: str, holder: str)
         tx.apply([edit.inverse() for edit in reversed(change.edits)])
     if tx.change is None:
         raise WorldError(
-            "change {number} ({author}: {reason}) has no effect left that could be undone",
-            number=change.number,
-            author=change.author,
-            reason=change.reason,
+            "change {number} ({author}: {reason}) has no effect left that could be undone", **_said(change)
         )
     return tx.change
 
@@ -96,22 +92,20 @@ def _check(change: Change, later: Sequence[Change]) -> None:
     reverted = {c.undoes for c in later}
     undone = {c.undoes for c in later if c.number not in reverted}
     if change.number in undone:
-        raise WorldError(
-            "change {number} ({author}: {reason}) was just undone by somebody else",
-            number=change.number,
-            author=change.author,
-            reason=change.reason,
-        )
+        raise WorldError("change {number} ({author}: {reason}) was just undone by somebody else", **_said(change))
     standing = [c for c in later if c.undoes is None and c.number not in undone]
     if standing:
         first = standing[0]
         names = ", ".join(sorted(first.marks() & change.marks())) or "the goals"
         raise WorldError(
             "change {number} ({author}: {reason}) cannot be undone: {names} changed since, by {other} ({why})",
-            number=change.number,
-            author=change.author,
-            reason=change.reason,
             names=names,
             other=first.author,
             why=first.reason,
+            **_said(change),
         )
+
+
+def _said(change: Change) -> dict[str, object]:
+    """Returns what messages say of a change."""
+    return {"number": change.number, "author": change.author, "reason": change.reason}

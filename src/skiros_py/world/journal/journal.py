@@ -156,13 +156,11 @@ class Journal:
 
     def undoable(self) -> Change | None:
         """Returns the last stored change by a user that has not been undone yet, or None."""
-        entries = self._select(_UNDOABLE)
-        return entries[0].change if entries else None
+        return next((entry.change for entry in self._select(_UNDOABLE)), None)
 
     def redoable(self) -> Change | None:
         """Returns the last undo that was not reverted, if no edit by a user followed it; otherwise None."""
-        entries = self._select(_REDOABLE)
-        return entries[0].change if entries else None
+        return next((entry.change for entry in self._select(_REDOABLE)), None)
 
     def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
         """Returns the remembered changes after a version that are about any of the subjects, in order."""
@@ -183,11 +181,9 @@ class Journal:
             element: Its id.
             last: How many of the latest ones; None for all.
         """
-        condition = "number IN (SELECT number FROM marks WHERE element = ?)" if element is not None else "1"
-        values = [] if element is None else [element]
+        about, values = _about(element)
         limit = -1 if last is None else last
-        entries = self._select(f"{condition} ORDER BY number DESC LIMIT ?", (*values, limit))
-        return tuple(reversed(entries))
+        return tuple(reversed(self._select(f"{about} ORDER BY number DESC LIMIT ?", (*values, limit))))
 
     def page(
         self, beyond: int, limit: int, *, element: str | None = None, newest_first: bool = False
@@ -200,10 +196,9 @@ class Journal:
             element: Its id.
             newest_first: True to go back in time.
         """
-        about = "number IN (SELECT number FROM marks WHERE element = ?) AND " if element is not None else ""
+        about, values = _about(element)
         order = "number < ? ORDER BY number DESC LIMIT ?" if newest_first else "number > ? ORDER BY number LIMIT ?"
-        values = [] if element is None else [element]
-        return tuple(select(self._database, about + order, (*values, beyond, limit), whole=False))
+        return tuple(select(self._database, f"{about} AND {order}", (*values, beyond, limit), whole=False))
 
     def edits(self, head: Entry, start: int, most: int) -> Sequence[Edit]:
         """Returns some edits of a remembered change.
@@ -221,13 +216,11 @@ class Journal:
 
     def undoable_entry(self) -> Entry | None:
         """Returns the beginning of the last remembered change by a person that was not undone yet, or None."""
-        entries = select(self._database, _UNDOABLE, whole=False)
-        return entries[0] if entries else None
+        return next(iter(select(self._database, _UNDOABLE, whole=False)), None)
 
     def redoable_entry(self) -> Entry | None:
         """Returns the beginning of the undo that a redo would revert, or None."""
-        entries = select(self._database, _REDOABLE, whole=False)
-        return entries[0] if entries else None
+        return next(iter(select(self._database, _REDOABLE, whole=False)), None)
 
     def was_given(self, element: str) -> bool:
         """Returns True when there was an element of that id at any time."""
@@ -333,6 +326,11 @@ class Journal:
             except (ValueError, IndexError) as error:
                 reason = f"the file is damaged: piece {part} of the snapshot cannot be understood: {error}"
                 raise FileError(self._database.path, reason) from None
+
+
+def _about(element: str | None) -> tuple[str, Sequence[str]]:
+    """Returns the condition, in SQL, for changes of an element, or for all; and its values."""
+    return ("1", ()) if element is None else ("number IN (SELECT number FROM marks WHERE element = ?)", (element,))
 
 
 def _shown(changes: Sequence[Change]) -> str:
