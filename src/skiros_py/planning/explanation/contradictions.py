@@ -189,7 +189,7 @@ class Contradictions:
     def _negations(self) -> Iterator[Cause]:
         for one, other in combinations(self._relaxed.task.conditions, 2):
             if one == ~other:
-                yield _contradiction((one, other), Message("the one says that the other is not so"), one.arguments)
+                yield cause_of((one, other), Message("the one says that the other is not so"), one.arguments)
 
     def _emptiness(self) -> Iterator[Cause]:
         for condition, atom in self._atoms():
@@ -199,7 +199,7 @@ class Contradictions:
             for demand in self._demands:
                 if demand.relation == relation and demand.places == {place}:
                     why = Message("{place} cannot be empty and taken at once", place=place)
-                    yield _contradiction((condition, demand.condition), why, (place, *_only(demand.things)))
+                    yield cause_of((condition, demand.condition), why, (place, *_only(demand.things)))
 
     def _values(self) -> Iterator[Cause]:
         about = [(condition, atom) for condition, atom in self._atoms() if self._property(atom) is not None]
@@ -208,7 +208,7 @@ class Contradictions:
             if same and not self._agree(first, second):
                 name = self._ontology.properties[str(self._property(first))].label
                 thing = first.arguments[0]
-                yield _contradiction(
+                yield cause_of(
                     (one, other),
                     Message("the {property} of {thing} has one value only", property=name, thing=thing),
                     (thing,),
@@ -246,7 +246,7 @@ class Contradictions:
                         other=self._place(other),
                     )
                     named = *_only(one.things), *_only(one.places | other.places)
-                    yield _contradiction((one.condition, other.condition), why, named)
+                    yield cause_of((one.condition, other.condition), why, named)
 
     def _place(self, demand: Demand) -> str:
         places = listed(sorted(demand.places), either=True)
@@ -273,7 +273,7 @@ class Contradictions:
             text = Message("{count} of {kind} are wanted, but there are only {things}", **there)
             if len(things) == 1:
                 text = Message("{count} of {kind} are wanted, but there is only {things}", **there)
-            cause = _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
+            cause = cause_of((d.condition for d in lacking), text, (*classes, *things), CauseKind.TOO_FEW)
             yield Found(cause, shortage=Shortage(len(lacking), tuple(things)))
 
     def _too_few_places(self) -> Iterator[Found]:
@@ -292,7 +292,7 @@ class Contradictions:
         conditions = {str(demand.condition) for demand in lacking}
         if len(places) == 1 and len(conditions) > 1 and all(places[0] in d.condition.arguments for d in lacking):
             why = Message("{place} takes one {kind} only", place=places[0], kind=self._kind(lacking))
-            return _contradiction([d.condition for d in lacking], why, (*places, *_things(lacking)))
+            return cause_of([d.condition for d in lacking], why, (*places, *_things(lacking)))
         wholes = self._wholes(lacking)
         room = {"count": len(places), "places": listed(places), "wanted": len(lacking)}
         text = Message("there is room for {count} only ({places}), and {wanted} are wanted there", **room)
@@ -303,7 +303,7 @@ class Contradictions:
             )
         if all(len(demand.things) == 1 for demand in lacking):
             text = Message("{text} ({things})", text=text, things=listed(min(demand.things) for demand in lacking))
-        return _together(CauseKind.FULL, lacking, text, (*wholes, *places))
+        return cause_of((d.condition for d in lacking), text, (*wholes, *places), CauseKind.FULL)
 
     def _kind(self, demands: Sequence[Demand]) -> str:
         """Returns a common name for all wanted things."""
@@ -362,22 +362,19 @@ def _narrowest(demand: Demand) -> tuple[int, str, str]:
     return len(demand.things) * len(demand.places), str(demand.condition), min(demand.things)
 
 
-def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable[str]) -> Cause:
-    said = list(dict.fromkeys(map(str, conditions)))
-    text = Message("{conditions} cannot be reached: {why}", conditions=listed(said), why=why)
-    if len(said) > 1:
-        text = Message("{conditions} exclude each other: {why}", conditions=listed(said), why=why)
-    named = tuple(dict.fromkeys(elements))
-    return Cause(CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=named, why=why)
-
-
-def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: Iterable[str]) -> Cause:
-    conditions = tuple(dict.fromkeys(demand.condition for demand in demands))
-    said = listed(map(str, conditions))
-    text = Message("{conditions} cannot be reached: {why}", conditions=said, why=why)
-    if len(conditions) > 1:
-        text = Message("{conditions} cannot be reached together: {why}", conditions=said, why=why)
-    return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)), why=why)
+def cause_of(
+    conditions: Iterable[Condition], why: str, elements: Iterable[str], kind: CauseKind = CauseKind.CONTRADICTION
+) -> Cause:
+    """Returns the cause why conditions cannot be reached: one alone, or several together."""
+    concerned = tuple(dict.fromkeys(conditions))
+    names = list(dict.fromkeys(map(str, concerned)))
+    said = {"conditions": listed(names), "why": why}
+    text = Message("{conditions} cannot be reached: {why}", **said)
+    if len(names) > 1 and kind is CauseKind.CONTRADICTION:
+        text = Message("{conditions} exclude each other: {why}", **said)
+    elif len(names) > 1:
+        text = Message("{conditions} cannot be reached together: {why}", **said)
+    return Cause(kind, text, concerned, elements=tuple(dict.fromkeys(elements)), why=why)
 
 
 def _around(constants: Iterable[Value]) -> list[Value | None]:

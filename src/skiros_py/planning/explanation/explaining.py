@@ -13,6 +13,7 @@ from skiros_py.messages import Message, listed
 from skiros_py.planning.edits import HypotheticalView
 from skiros_py.planning.explanation.absent import AbsentSkill, absence_causes
 from skiros_py.planning.explanation.causes import find_causes
+from skiros_py.planning.explanation.contradictions import cause_of
 from skiros_py.planning.explanation.exclusions import exclusive_conditions
 from skiros_py.planning.explanation.remedies import Change, Room, advice, remedies
 from skiros_py.planning.explanation.wording import Found
@@ -209,16 +210,10 @@ def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tupl
 
 def conflict_of(conditions: Sequence[Condition]) -> Cause:
     """Returns the cause that conditions are unreachable together although each is reachable alone."""
-    if len(conditions) > 1:
-        why, text = (
-            "",
-            Message(
-                "{conditions} could each be reached, but not all of them together",
-                conditions=listed(map(str, conditions)),
-            ),
-        )
-    else:
+    arguments = tuple(dict.fromkeys(argument for condition in conditions for argument in condition.arguments))
+    if len(conditions) == 1:
         why = Message("whatever is done for it undoes something else that it needs")
-        text = Message("{conditions} cannot be reached: {why}", conditions=conditions[0], why=why)
-    arguments = dict.fromkeys(argument for condition in conditions for argument in condition.arguments)
-    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments), why=why)
+        return cause_of(conditions, why, arguments, CauseKind.CONFLICT)
+    said = listed(map(str, conditions))
+    text = Message("{conditions} could each be reached, but not all of them together", conditions=said)
+    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=arguments)
