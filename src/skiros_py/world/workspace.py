@@ -145,13 +145,8 @@ def _held_by(view: Index, element: str) -> str | None:
 
 def _refuge(view: Index, element: str) -> Placement | None:
     """The place of the element, or for a part, that of its whole."""
-    owners = [element]
-    for name in owners:
-        placement = view.placement(name)
-        if placement is not None:
-            return placement
-        owners.extend(owner for owner in view.owners(name) if owner not in owners)
-    return None
+    placements = map(view.placement, reached([element], view.owners))
+    return next((placement for placement in placements if placement is not None), None)
 
 
 def _new_place(view: Index, guest: str, refuge: Placement | None) -> tuple[Placement | None, str]:

@@ -23,7 +23,7 @@ from skiros_py.world.names import SCENE, Names, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.ontology.statements import Statements
-from skiros_py.world.terms import Family
+from skiros_py.world.terms import Family, reached
 from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, STRUCTURE
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
@@ -61,21 +61,15 @@ def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str,
         like: Name of the robot to copy from.
         ontology: Defines which relations are structure.
     """
-    pieces = [like, *_pieces(individuals, like, ontology)]
+    below = ontology.sub_relations(STRUCTURE)
+
+    def parts(whole: str) -> list[str]:
+        return [to for relation, to in individuals[whole].relations if relation in below and to in individuals]
+
+    pieces = reached([like], parts)
     names = {piece: copy if piece == like else _renamed(piece, like, copy) for piece in pieces}
     for piece, name in names.items():
         _complete(individuals.setdefault(name, Individual()), individuals[piece], names, ontology)
-
-
-def _pieces(individuals: MutableMapping[str, Individual], whole: str, ontology: Ontology) -> Iterator[str]:
-    """Yields the parts of a thing, in the order of the files; in a cycle, each part once."""
-    below, seen, waiting = ontology.sub_relations(STRUCTURE), {whole}, [whole]
-    for name in waiting:
-        for relation, piece in individuals[name].relations:
-            if relation in below and piece in individuals and piece not in seen:
-                seen.add(piece)
-                waiting.append(piece)
-                yield piece
 
 
 def _renamed(piece: str, like: str, copy: str) -> str:
