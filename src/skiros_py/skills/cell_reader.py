@@ -18,7 +18,7 @@ from skiros_py.ports.device_faults import require_description
 from skiros_py.ports.device_kinds import DeviceKinds, load_device_kinds
 from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
-from skiros_py.world.poses import frames, map_pose, pose_on
+from skiros_py.world.poses import driving_pose, frames, pose_on
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView, pieces
 
@@ -105,10 +105,7 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
 def working_pose(view: WorldView, robot: str) -> Pose | None:
     """Returns the pose in the map from which a robot works where it is believed to be; None where that has none."""
     placement = view.placement(robot)
-    if placement is None:
-        return None
-    place, driving = map_pose(view, placement.place), view.value(placement.place, v.DRIVING_POSE)
-    return place @ driving if place is not None and isinstance(driving, Pose) else None
+    return None if placement is None else driving_pose(view, placement.place)
 
 
 def has_base(view: WorldView, robot: str) -> bool:

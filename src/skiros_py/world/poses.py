@@ -15,7 +15,7 @@ from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import MISSED_LOOKS, MISSING, POSE, POSE_FRAME
+from skiros_py.world.vocabulary import DRIVING_POSE, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
 _AT: Final = Pose()
 
@@ -58,6 +58,16 @@ def map_pose(view: WorldView, element: str) -> Pose | None:
     """
     found = pose_on(view, element)
     return None if found is None else found[1]
+
+
+def driving_pose(view: WorldView, place: str) -> Pose | None:
+    """Returns the pose in the map from which robots work at a place; None where it has none, or none is known.
+
+    Raises:
+        UnknownName: There is no such element.
+    """
+    pose, driving = map_pose(view, place), view.value(place, DRIVING_POSE)
+    return pose @ driving if pose is not None and isinstance(driving, Pose) else None
 
 
 def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:

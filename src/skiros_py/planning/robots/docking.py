@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, partial
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
-from skiros_py.geometry import Pose
 from skiros_py.planning.plan import Step
 from skiros_py.planning.plan_validation import grounded
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.replay import replay
 from skiros_py.skills.conditions import Related
-from skiros_py.world.poses import map_pose
-from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A
+from skiros_py.world.poses import driving_pose, map_pose
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import AT, HAS_A
 
 _MOST = 20
 """Maximum number of exchanges."""
@@ -57,7 +58,7 @@ class Docking:
     def __init__(self, task: PlanningTask) -> None:
         self._view = task.view
         self._task = task
-        self._points: dict[str, Point | None] = {}
+        self._standing = cache(partial(_standing, task.view))
 
     def distance(self, robot: str, places: Sequence[str], after: str | None = None) -> float:
         """Returns how far a robot drives in a straight line [m], as far as positions are known.
@@ -131,13 +132,8 @@ class Docking:
         found = at or (None if pose is None else (pose.position[0], pose.position[1]))
         return [] if found is None else [found]
 
-    def _standing(self, place: str) -> Point | None:
-        """Returns where a robot stands when working at a place [m in the map]; None if unknown."""
-        if place not in self._points:
-            self._points[place] = None
-            pose = map_pose(self._view, place) if self._view.has(place) else None
-            driving = None if pose is None else self._view.value(place, DRIVING_POSE)
-            if pose is not None and isinstance(driving, Pose):
-                x, y, _ = (pose @ driving).position
-                self._points[place] = x, y
-        return self._points[place]
+
+def _standing(view: WorldView, place: str) -> Point | None:
+    """Returns where a robot stands when working at a place [m in the map]; None if unknown."""
+    pose = driving_pose(view, place) if view.has(place) else None
+    return None if pose is None else (pose.position[0], pose.position[1])
