@@ -10,6 +10,7 @@ import json
 import shutil
 import sysconfig
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import Any
@@ -35,14 +36,12 @@ def program_path() -> Path:
     beside = Path(sysconfig.get_path("scripts")) / "kairos"
     if beside.is_file():
         return beside
-    try:
-        installed = [Path(str(file.locate())) for file in files("kairos-planner") or () if file.name == "kairos"]
-    except PackageNotFoundError:
-        installed = []
-    found = shutil.which("kairos")
-    for path in (*installed, *([Path(found)] if found else [])):
-        if path.is_file():
-            return path
+    with suppress(PackageNotFoundError):
+        for file in files("kairos-planner") or ():
+            if file.name == "kairos" and (path := Path(str(file.locate()))).is_file():
+                return path
+    if found := shutil.which("kairos"):
+        return Path(found)
     raise MissingExtra("planners", "Kairos")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import prod
@@ -288,7 +289,7 @@ class Meaning:
             return name
         if self._class_of(name, class_) is not None:
             return None
-        labelled = self._labels.get(name) or self._abstract_labels.get(name, [])
+        labelled = next((found for labels in self._labels if (found := labels.get(name))), [])
         if len(labelled) == 1:
             return labelled[0]
         if class_ not in self._spelt_elements:
@@ -296,17 +297,12 @@ class Meaning:
         return _back(self._spelt_elements[class_], name)
 
     @cached_property
-    def _labels(self) -> dict[str, list[str]]:
-        return self._by_label(self._view.instances(ELEMENT))
-
-    @cached_property
-    def _abstract_labels(self) -> dict[str, list[str]]:
-        return self._by_label(self._view.abstracts(ELEMENT))
-
-    def _by_label(self, elements: Iterable[str]) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = {}
-        for element in elements:
-            found.setdefault(self._view.element(element).label, []).append(element)
+    def _labels(self) -> Sequence[Mapping[str, Sequence[str]]]:
+        """Elements by label: those of the scene, then abstract ones."""
+        found: tuple[defaultdict[str, list[str]], ...] = defaultdict(list), defaultdict(list)
+        for labels, elements in zip(found, (self._view.instances(ELEMENT), self._view.abstracts(ELEMENT)), strict=True):
+            for element in elements:
+                labels[self._view.element(element).label].append(element)
         return found
 
 
