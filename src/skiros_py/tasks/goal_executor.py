@@ -86,12 +86,12 @@ class GoalExecutor(TaskExecutor):
                 return
             if progress.done:
                 return
-            state = self._monitor.check(progress, self.record.reached)
-            if state.flaw is not None:
-                self._trouble = state.flaw.verdict.why
-                self._doubtful = self._dispatcher.leading_to(state.flaw.step)
+            flaw = self._monitor.check(progress, self.record.reached)
+            if flaw is not None:
+                self._trouble = flaw.verdict.why
+                self._doubtful = self._dispatcher.leading_to(flaw.step)
                 return
-            if state.is_valid and self._noted(self._dispatcher.start_ready()).failed:
+            if self._monitor.is_valid and self._noted(self._dispatcher.start_ready()).failed:
                 yield  # a step refused now may be possible in the next cycle
                 return
             yield

@@ -6,7 +6,7 @@ from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.replay import Flaw
 from skiros_py.planning.requests import Check, supposing
-from skiros_py.tasks.plan_monitor import Staleness
+from skiros_py.skills.conditions.watch import Reads, Watches
 from skiros_py.testing import GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
@@ -25,19 +25,20 @@ class Watch:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._stale = Staleness(world)
-        self.close = self._stale.close
+        self._reads = Reads()
+        self._watches = Watches(world)
+        self.close = self._watches.close
 
     @property
     def stale(self) -> bool:
-        return self._stale.stale
+        return self._reads.stale
 
     def look(self, running: Sequence[Step], rest: Sequence[Step]) -> Flaw | None:
-        self._stale.stale = False
+        self._reads.stale = False
         state = self._world.snapshot()
         check = Check((IN_CONTAINER("ball_1", "slot_1"),), tuple(running), tuple(rest), SKILLS)
         found = check.answer(state, Planners.only(GivenPlanner()), lambda: False)
-        self._stale.read(found.keys, state.version)
+        self._watches.note(self._reads, found.keys, state.version)
         return found.flaw
 
 

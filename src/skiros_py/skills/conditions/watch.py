@@ -140,23 +140,41 @@ _UNSEEN = Verdict(True, "")
 
 
 @dataclass(slots=True, eq=False)
-class _Watched:
+class Reads:
+    """What was read of the world for an answer; told of changes by :meth:`Watches.note`.
+
+    Attributes:
+        stale: Whether some of it may have changed, or nothing was read yet. False is set before the world is read, so
+            that later changes count.
+        keys: What was read.
+    """
+
+    stale: bool = True
+    keys: frozenset[Key] = frozenset()
+
+    def touch(self) -> None:
+        """Hears that some of it has changed; called in the writer's thread."""
+        self.stale = True
+
+
+@dataclass(slots=True, eq=False, kw_only=True)
+class _Watched(Reads):
     """One condition under watch.
 
     Attributes:
-        stale: Whether something that it reads may have changed.
         senses: Whether it asks sensors, which change in every cycle.
         verdict: What was found last.
-        keys: What was read for that.
     """
 
     watch: Watch
     condition: Condition
     binding: Binding
-    stale: bool = True
     senses: bool = False
     verdict: Verdict = _UNSEEN
-    keys: frozenset[Key] = frozenset()
+
+    def touch(self) -> None:
+        self.stale = True
+        self.watch.stale = True
 
 
 class Watch:
@@ -168,7 +186,7 @@ class Watch:
 
     def __init__(self, watches: Watches, conditions: Sequence[Condition], binding: Binding) -> None:
         self._watches = watches
-        self._watched = tuple(_Watched(self, condition, binding) for condition in conditions)
+        self._watched = tuple(_Watched(watch=self, condition=condition, binding=binding) for condition in conditions)
         self.stale = True
         self._senses = False
         self._broken: Verdict | None = None
@@ -214,7 +232,7 @@ class Watches:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._readers: dict[Key, set[_Watched]] = {}
+        self._readers: dict[Key, set[Reads]] = {}
         self._heard = world.version
         self._lock = threading.Lock()
         self._unsubscribe = world.subscribe(self._hear)
@@ -243,14 +261,15 @@ class Watches:
             one.stale = True
             raise
         one.senses = view.sensed
-        self._note(one, frozenset(view.keys), state.version)
+        self.note(one, frozenset(view.keys), state.version)
 
     def forget(self, watched: Sequence[_Watched]) -> None:
         """Ends the watch of conditions."""
         for one in watched:
-            self._note(one, frozenset(), self._heard)
+            self.note(one, frozenset(), self._heard)
 
-    def _note(self, one: _Watched, keys: frozenset[Key], version: int) -> None:
+    def note(self, one: Reads, keys: frozenset[Key], version: int) -> None:
+        """Notes what was read for an answer, and of which version of the world."""
         with self._lock:
             for key in one.keys - keys:
                 readers = self._readers[key]
@@ -261,7 +280,7 @@ class Watches:
                 self._readers.setdefault(key, set()).add(one)
             one.keys = keys
             if self._heard > version and keys:  # something changed while it was evaluated
-                _touch(one)
+                one.touch()
 
     def _hear(self, change: Change) -> None:
         """Marks the conditions that read what changed. Called in the writer's thread, so it must be quick."""
@@ -270,9 +289,4 @@ class Watches:
             for edit in change.edits:
                 for key in touched_by(edit, self._world.ontology):
                     for one in self._readers.get(key, ()):
-                        _touch(one)
-
-
-def _touch(one: _Watched) -> None:
-    one.stale = True
-    one.watch.stale = True
+                        one.touch()
