@@ -17,10 +17,11 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.process import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import AllOf, Condition, Has, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions import Condition, Has, Not, Nothing, Related
 from skiros_py.skills.conditions.effects import Assign, Relate, Unrelate, brought_about, write_effects
 from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.inference.inferring import Inferred, Missing, infer
+from skiros_py.skills.inference.search import conjuncts
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.parameters.values import SAMPLES, sample_of_range
@@ -136,7 +137,9 @@ def make_up(description: SkillDescription, world: World, given: Mapping[str, Any
         for condition in description.needs:
             bound = condition.bind(values)
             write_effects(tx, world.ontology, brought_about(bound))
-            _give(tx, bound.pattern, world)
+            for part in conjuncts(bound.pattern):
+                if isinstance(part, Has):
+                    _give(tx, part, world)
     return values
 
 
@@ -148,18 +151,11 @@ def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
     )
 
 
-def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
-    """Sets a required property of an element."""
-    match pattern:
-        case Has(property_, subject) if world.ontology.class_value(tx.view.element(subject).type, property_) is None:
-            value = sample_of_range(world.ontology.properties[property_].range)
-            if tx.view.value(subject, property_) is None and value is not None:
-                tx.set(subject, property_, value)
-        case AllOf(patterns):
-            for part in patterns:
-                _give(tx, part, world)
-        case _:
-            pass
+def _give(tx: Transaction, wanted: Has, world: World) -> None:
+    """Sets a required property of an element, unless it or its class has one."""
+    value = sample_of_range(world.ontology.properties[wanted.property].range)
+    if tx.view.value(wanted.subject, wanted.property) is None and value is not None:
+        tx.set(wanted.subject, wanted.property, value)
 
 
 # ---------------------------------------------------------------- default values

@@ -16,9 +16,9 @@ from itertools import count
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.actions import shown
-from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal
+from skiros_py.planning.domain.literals import NOT, NOTHING, atom_of, is_stored, normal, something
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
-from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
+from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern
 from skiros_py.skills.references import variables
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -185,9 +185,7 @@ class _Part:
             case Not(Exists() as there):
                 yield from (self._reached(pattern, scope),) if scope else self._for_all(there, scope)
             case Nothing(relation, place) if not self._is_tracked(pattern, scope):
-                holder = f"{place.lstrip('?')} holder"
-                class_ = self._view.ontology.relations[relation].domain or ELEMENT
-                yield from self._all(Not(Exists(holder, class_, Related(relation, holder, place))), scope)
+                yield from self._all(Not(something(relation, place, self._view.ontology)), scope)
             case _:
                 yield from filter(self._is_open, (atom_of(pattern),))
 

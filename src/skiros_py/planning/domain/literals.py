@@ -111,7 +111,7 @@ def normal(pattern: Pattern, where: str, ontology: Ontology, *, holds: bool = Tr
     Raises:
         PlanningError: A part of it cannot be expressed in planning; the message names it.
     """
-    every, some = (_all_of, _any_of) if holds else (_any_of, _all_of)
+    every, some = (AllOf, AnyOf) if holds else (AnyOf, AllOf)
 
     def signed(part: Pattern) -> Pattern:
         return part if holds else Not(part)
@@ -124,15 +124,15 @@ def normal(pattern: Pattern, where: str, ontology: Ontology, *, holds: bool = Tr
         case Related(relation, subject, object_) if _is_computed(relation, ontology):
             return signed(Computed(relation, subject, object_))
         case Related(relation, subject, object_):
-            return some(signed(Related(r, subject, object_)) for r in storable(relation, ontology))
+            return _flat(some, (signed(Related(r, subject, object_)) for r in storable(relation, ontology)))
         case Nothing(relation, object_) if holds:
-            return _all_of(Nothing(r, object_) for r in storable(relation, ontology))
+            return _flat(AllOf, (Nothing(r, object_) for r in storable(relation, ontology)))
         case Nothing(relation, object_):
-            return _any_of(_something(r, object_, ontology) for r in storable(relation, ontology))
+            return _flat(AnyOf, (something(r, object_, ontology) for r in storable(relation, ontology)))
         case AllOf(patterns):
-            return every(normal(p, where, ontology, holds=holds) for p in patterns)
+            return _flat(every, (normal(p, where, ontology, holds=holds) for p in patterns))
         case AnyOf(patterns):
-            return some(normal(p, where, ontology, holds=holds) for p in patterns)
+            return _flat(some, (normal(p, where, ontology, holds=holds) for p in patterns))
         case Exists(variable, class_, inner):
             return signed(Exists(variable, class_, normal(inner, where, ontology)))
         case Has() | Compare() | IsA() | ClassRelated() | Computed():
@@ -168,19 +168,15 @@ def storable(relation: str, ontology: Ontology) -> tuple[str, ...]:
     return tuple(r for r in ontology.sub_relations(relation) if r != PLACEMENT) or (relation,)
 
 
-def _something(relation: str, object_: str, ontology: Ontology) -> Pattern:
-    holder = f"{object_} holder"
+def something(relation: str, object_: str, ontology: Ontology) -> Exists:
+    """Returns the pattern that says that something has a relation to an element: the opposite of nothing."""
+    holder = f"{object_.lstrip('?')} holder"
     return Exists(holder, ontology.relations[relation].domain or ELEMENT, Related(relation, holder, object_))
 
 
-def _all_of(patterns: Iterable[Pattern]) -> Pattern:
-    parts = [p for pattern in patterns for p in (pattern.patterns if isinstance(pattern, AllOf) else (pattern,))]
-    return parts[0] if len(parts) == 1 else AllOf(tuple(dict.fromkeys(parts)))
-
-
-def _any_of(patterns: Iterable[Pattern]) -> Pattern:
-    parts = [p for pattern in patterns for p in (pattern.patterns if isinstance(pattern, AnyOf) else (pattern,))]
-    return parts[0] if len(parts) == 1 else AnyOf(tuple(dict.fromkeys(parts)))
+def _flat(kind: type[AllOf | AnyOf], patterns: Iterable[Pattern]) -> Pattern:
+    parts = [p for pattern in patterns for p in (pattern.patterns if isinstance(pattern, kind) else (pattern,))]
+    return parts[0] if len(parts) == 1 else kind(tuple(dict.fromkeys(parts)))
 
 
 CAN = "can_"
