@@ -27,8 +27,9 @@ from skiros_py.skills.conditions.pattern import NumberChange, leaves
 from skiros_py.skills.parameters import IT, Kind, Param, check_params
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.references import check_references, variables
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.view import WorldView, wholes
-from skiros_py.world.vocabulary import HAS_A, ROBOT
+from skiros_py.world.vocabulary import HAS_A
 
 
 def nearest_first(param: Param, agent: str) -> Param:
@@ -56,8 +57,7 @@ def _of_one_robot(agent: Param, device: Param) -> Condition:
 
 
 def _is_on_robot(view: WorldView, agent: str, device: str) -> Verdict:
-    robots = (whole for whole in wholes(view, agent) if view.ontology.is_a(view.element(whole).type, ROBOT))
-    return _is_piece(view, next(robots, agent), device)
+    return _is_piece(view, robot_of(view, agent), device)
 
 
 def _is_piece(view: WorldView, whole: str, piece: str) -> Verdict:

@@ -9,7 +9,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Value
 from skiros_py.world.poses import pose_on
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import WorldView, wholes
 
 
 def map_pose(context: RunContext, element: str) -> Pose | None:
@@ -41,13 +41,8 @@ def solid_of(view: WorldView, element: str) -> Solid | None:
 
 def owner(view: WorldView, element: str, class_: str = v.ROBOT) -> str | None:
     """Returns the nearest element of a class that has this one in its structure (the robot of a gripper)."""
-    current: tuple[str, ...] = (element,)
-    while current:
-        for candidate in current:
-            if view.ontology.is_a(view.element(candidate).type, class_):
-                return candidate
-        current = tuple(o for c in current for o in view.subjects(v.HAS_A, c))
-    return None
+    is_a = view.ontology.is_a
+    return next((whole for whole in wholes(view, element) if is_a(view.element(whole).type, class_)), None)
 
 
 def robot_of(view: WorldView, agent: str) -> str:

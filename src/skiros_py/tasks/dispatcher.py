@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, MutableMapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
@@ -11,14 +11,15 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.messages import Message
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of
+from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import robot_of
 from skiros_py.tasks.context import Mode, TaskContext
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.record import TaskRecord
+from skiros_py.tasks.record import purpose
 from skiros_py.tasks.reservations import in_hands, used_by
-from skiros_py.tasks.trace import StepRun, TraceEventKind, describe_step, step_id
+from skiros_py.tasks.trace import StepEnd, StepRun, TraceEventKind, describe_step, step_id
 from skiros_py.world.stock import take
 from skiros_py.world.terms import reached
 
@@ -117,6 +118,7 @@ class Progress:
         rest: The steps that have not started, in order.
         done: True when every step has ended.
         is_idle: True if nothing can happen now: paused, or waiting for other tasks with no step running.
+        ended: The steps that have just ended.
         failed: The steps that have just failed or could not be started, with the reason; they are to be repeated.
     """
 
@@ -124,6 +126,7 @@ class Progress:
     rest: tuple[Step, ...] = ()
     done: bool = True
     is_idle: bool = False
+    ended: tuple[StepEnd, ...] = ()
     failed: tuple[tuple[Step, Failure], ...] = ()
 
 
@@ -133,16 +136,16 @@ class Dispatcher:
     Args:
         task: The task, with its control requests.
         context: The task's environment: world, managers, reservations.
-        record: Where the ends of steps are recorded; knows what was tried in vain.
+        tried: What was tried in vain, by purpose.
 
     Attributes:
         lends: True while the task waits for the user: no step may start, and other tasks may use what is at rest,
             except robots that hold a thing of this task, so that it is not put down elsewhere.
     """
 
-    def __init__(self, task: TaskHandle, context: TaskContext, record: TaskRecord) -> None:
+    def __init__(self, task: TaskHandle, context: TaskContext, tried: MutableMapping[tuple[str, ...], Tried]) -> None:
         self.lends = False
-        self._record = record
+        self._tried = tried
         self._task = task
         self._context = context
         self._trace = task.trace
@@ -151,6 +154,7 @@ class Dispatcher:
         self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps whose intent is being saved
         self._used: tuple[frozenset[str], frozenset[str]] | None = None  # by all steps, and by the running ones
         self._waits: set[str] = set()
+        self._ended: list[StepEnd] = []
         self._failed: list[tuple[Step, Failure]] = []
         self._started = 0
         self._mode = Mode.RUN
@@ -255,12 +259,13 @@ class Dispatcher:
         self._context.reservations.release(self._task.name, moving, stands)
 
     def _progress(self) -> Progress:
-        """Returns how the steps stand; what has just failed is returned only once."""
+        """Returns how the steps stand; what has just ended is returned only once."""
         agenda, running = self._agenda, self._active
         rest = tuple(agenda.steps[index] for index in agenda.waiting)
         idle = self._mode is Mode.PAUSE or not (self._granted or running)
+        ended, self._ended = tuple(self._ended), []
         failed, self._failed = tuple(self._failed), []
-        return Progress(running, rest, agenda.done, idle, failed)
+        return Progress(running, rest, agenda.done, idle, ended, failed)
 
     # ------------------------------------------------------------------ control requests
 
@@ -337,7 +342,7 @@ class Dispatcher:
             if run.agent not in managers:
                 raise UsageError("the skill manager of {agent} is gone", agent=run.agent)
             parent = step_id(task, run.number)
-            tried = self._record.tried(run.step, self._skills[run.step.skill])
+            tried = self._tried[purpose(run.step, self._skills[run.step.skill], self._context.world)]
             running = managers[run.agent].start(
                 run.step.skill, run.step.arguments, task=task, parent=parent, tried=tried
             )
@@ -394,21 +399,21 @@ class Dispatcher:
         self._note_end(one.run, outcome, one.running.account)
 
     def _note_end(self, run: StepRun, outcome: Outcome, account: Mapping[str, object]) -> None:
-        skill = self._skills[run.step.skill]
-        said, data = self._said(run.step), {"start": run.start, "seconds": self._context.now - run.start, **account}
+        skill, now = self._skills[run.step.skill], self._context.now
+        self._ended.append(StepEnd(run, skill, outcome, now))
+        said, data = self._said(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
             what, text = TraceEventKind.CANCELLED, _cancelled(said, outcome.reason)
             if outcome.code != CANCELLED:
                 what = TraceEventKind.FAILED
                 text = Message("{step} failed: {reason}", step=said, reason=outcome.reason)
-            tried = self._record.tried(run.step, skill).as_json()
+            tried = self._tried[purpose(run.step, skill, self._context.world)].as_json()
             more = {"reason": outcome.reason, "code": outcome.code, "tried": tried, **outcome.values}
             self._trace.write(what, text, data | more, run)
         else:
             self._trace.write(
                 TraceEventKind.ENDED, Message("{step} is done", step=said), data | {"message": outcome.message}, run
             )
-        self._record.add(run, skill, outcome)
         self._task.ended(run, outcome)
 
     # ------------------------------------------------------------------ robots and things

@@ -38,7 +38,7 @@ class TaskExecutor(ABC):
         self._task = task
         self._context = context
         self._trace = task.trace
-        self._dispatcher = Dispatcher(task, context, self.record)
+        self._dispatcher = Dispatcher(task, context, self.record.tried)
         self._skills: Mapping[str, SkillDescription] = {}
         self._progress = Progress()
 
@@ -107,8 +107,8 @@ class TaskExecutor(ABC):
         return self._noted(self._dispatcher.attend())
 
     def _noted(self, progress: Progress) -> Progress:
-        """Records the conditions that hold by now."""
-        self.record.note_conditions()
+        """Records the steps that have ended and the conditions that hold by now."""
+        self.record.update(progress.ended)
         self._progress = progress
         return progress
 

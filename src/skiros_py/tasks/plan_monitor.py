@@ -30,6 +30,7 @@ class PlanMonitor:
 
     Attributes:
         goal: What the plan leads to.
+        is_valid: True if nothing it depends on has changed since it was last validated; steps may start only then.
     """
 
     def __init__(
@@ -40,17 +41,13 @@ class PlanMonitor:
         skills: Mapping[str, SkillDescription],
     ) -> None:
         self.goal = goal
+        self.is_valid = False
         self._context = context
         self._control = control
         self._skills = skills
         self._reads = Reads()
         self._watches = Watches(context.world)
         self._asked: tuple[Asked[Checked], tuple[Step, ...]] | None = None
-
-    @property
-    def is_valid(self) -> bool:
-        """True if nothing the plan depends on has changed since it was last validated; steps may start only then."""
-        return self._asked is None and not self._reads.stale
 
     def check(self, progress: Progress, reached: Mapping[str, int]) -> Flaw | None:
         """Returns why the rest of a plan no longer leads to the goal; requests a replay after changes.
@@ -64,7 +61,9 @@ class PlanMonitor:
         Returns:
             The flaw; None if nothing is known against it.
         """
-        return None if progress.is_idle else self._lost(progress) or self._look(progress, reached)
+        flaw = None if progress.is_idle else self._lost(progress) or self._look(progress, reached)
+        self.is_valid = not progress.is_idle and self._asked is None and not self._reads.stale
+        return flaw
 
     def recheck(self, progress: Progress, reached: Mapping[str, int]) -> Execution[bool]:
         """Returns True if the rest of the plan, with failed steps repeated, still leads to the goal."""

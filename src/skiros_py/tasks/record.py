@@ -13,11 +13,12 @@ from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Tried
-from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure, Outcome
+from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
-from skiros_py.tasks.trace import StepRun
+from skiros_py.tasks.trace import StepEnd
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
 _LONGEST = 10_000
@@ -38,6 +39,7 @@ class TaskRecord:
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Targets on which a skill failed too often.
+        tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
         worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
         no_plan: Why there was no initial plan.
@@ -52,6 +54,7 @@ class TaskRecord:
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
         self.left_out: set[str] = set()
+        self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
         self.no_plan: tuple[str, ...] = ()
@@ -63,30 +66,32 @@ class TaskRecord:
         self._attempts = attempts
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, ...]] = Counter()
-        self._tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self._reasons: dict[str, tuple[str, Tried]] = {}
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
         self._since: dict[Condition, tuple[float, float]] = {}
         self._version = -1
-        self.note_conditions()
+        self._note_conditions()
         self._held = frozenset(self._since)
 
-    def add(self, run: StepRun, skill: SkillDescription, outcome: Outcome) -> None:
-        """Adds a step that has just ended.
+    def update(self, ended: Iterable[StepEnd]) -> None:
+        """Adds steps that have ended, and notes which conditions hold by now."""
+        for end in ended:
+            self._add(end)
+        self._note_conditions()
 
-        Being cancelled because the world changed, or obstructed, is no failure at its target.
-        """
-        step, time = run.step, self._context.now
+    def _add(self, end: StepEnd) -> None:
+        """Adds one step; being cancelled because the world changed, or obstructed, is no failure at its target."""
+        step, skill, outcome = end.run.step, end.skill, end.outcome
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
         self.forgotten += len(self.steps) == self.steps.maxlen
         arguments = dict(step.arguments)
-        self.steps.append(StepReport(step.skill, arguments, run.start, time, reason, arguments[skill.agent]))
+        self.steps.append(StepReport(step.skill, arguments, end.run.start, end.time, reason, arguments[skill.agent]))
         target = arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code not in (CANCELLED, OBSTRUCTED):
             self._reasons.pop(target, None)  # the latest failure is the last entry
-            self._reasons[target] = reason, self.tried(step, skill)
+            self._reasons[target] = reason, self.tried[purpose(step, skill, self._view)]
             self._count_failure(step, skill, reason)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
@@ -98,7 +103,7 @@ class TaskRecord:
         So a part that fits nowhere is not tried in every compartment, nor a base that cannot leave at every location.
         """
         target, agent = step.arguments[skill.target], step.arguments[skill.agent]
-        moved = self._purpose(step, skill)
+        moved = purpose(step, skill, self._view)
         keys = {(step.skill, target), moved, *([(step.skill, agent, reason)] if self._goal else [])}
         self._failures.update(keys)
         if any(self._failures[key] >= self._attempts for key in keys):
@@ -109,30 +114,15 @@ class TaskRecord:
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
-        self._tried.clear()
+        self.tried.clear()
         self.worn_out.clear()
         self.left_out.clear()
         self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
 
-    def tried(self, step: Step, skill: SkillDescription) -> Tried:
-        """Returns what was tried in vain for the purpose of a step, over retries and new plans."""
-        return self._tried[self._purpose(step, skill)]
-
-    def _purpose(self, step: Step, skill: SkillDescription) -> tuple[str, ...]:
-        """Returns a skill with what it moves: whatever its target is, that is tried again."""
-        moved = [key for key in self._moved(skill) if key != skill.target] or [skill.target]
-        values = with_defaults(skill, step.arguments)
-        return (step.skill, *(str(values[key]) for key in moved if key in values))
-
-    def _moved(self, skill: SkillDescription) -> Iterable[str]:
-        """Returns the parameters of what a skill changes, other than robots and devices."""
-        is_a, changed = self._view.ontology.is_a, dict.fromkeys(key for post in skill.post for key in post.arguments)
-        return [key for key in changed if not any(is_a(skill.param(key).element_class, c) for c in (ROBOT, DEVICE))]
-
     # ------------------------------------------------------------------ conditions
 
-    def note_conditions(self) -> None:
-        """Notes which conditions hold by now; evaluates the conditions if the world has changed."""
+    def _note_conditions(self) -> None:
+        """Evaluates the conditions if the world has changed."""
         if self._version == self._view.version:
             return
         self._version = self._view.version
@@ -150,7 +140,7 @@ class TaskRecord:
 
     def report(self) -> GoalReport:
         """Returns the report at the end."""
-        self.note_conditions()
+        self._note_conditions()
         steps = tuple(self.steps)
         no_plan = () if steps else self.no_plan
         why = "; ".join(no_plan) or self.fault or ("stopped before it was reached" if self.stopped else "")
@@ -203,7 +193,9 @@ class TaskRecord:
             return False
         values = with_defaults(skill, step.arguments)
         return any(
-            self._concerns(condition, values[key]) for key in (*self._moved(skill), skill.target) if key in values
+            self._concerns(condition, values[key])
+            for key in (*_moved(skill, self._view), skill.target)
+            if key in values
         )
 
     def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
@@ -219,3 +211,16 @@ class TaskRecord:
 
     def _is_a(self, element: str, class_: str) -> bool:
         return self._view.ontology.is_a(self._view.element(element).type, class_)
+
+
+def purpose(step: Step, skill: SkillDescription, view: WorldView) -> tuple[str, ...]:
+    """Returns a skill with what it moves: whatever its target is, that is tried again."""
+    moved = [key for key in _moved(skill, view) if key != skill.target] or [skill.target]
+    values = with_defaults(skill, step.arguments)
+    return (step.skill, *(str(values[key]) for key in moved if key in values))
+
+
+def _moved(skill: SkillDescription, view: WorldView) -> list[str]:
+    """Returns the parameters of what a skill changes, other than robots and devices."""
+    is_a, changed = view.ontology.is_a, dict.fromkeys(key for post in skill.post for key in post.arguments)
+    return [key for key in changed if not any(is_a(skill.param(key).element_class, c) for c in (ROBOT, DEVICE))]

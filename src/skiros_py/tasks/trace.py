@@ -12,6 +12,7 @@ from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.listeners import Listeners
 from skiros_py.messages import Message, messages_in
 from skiros_py.planning.plan import Step
+from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 
@@ -111,6 +112,23 @@ class StepRun:
     step: Step
     agent: str
     start: float
+
+
+@dataclass(frozen=True, slots=True)
+class StepEnd:
+    """The end of a step.
+
+    Attributes:
+        run: The step.
+        skill: Its skill.
+        outcome: How it ended.
+        time: Run time [s].
+    """
+
+    run: StepRun
+    skill: SkillDescription
+    outcome: Outcome
+    time: float
 
 
 class Trace:

@@ -16,7 +16,7 @@ from skiros_py.tasks.record import TaskRecord
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import check_steps
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.tasks.trace import StepRun
+from skiros_py.tasks.trace import StepEnd, StepRun
 from skiros_py.testing import Bench, GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.view import WorldView
@@ -315,7 +315,7 @@ def test_a_sequence_that_runs_for_ever_keeps_its_last_steps_and_counts_the_other
         record = TaskRecord(context, (), 3, longest=4)
         for n in range(10):
             run = StepRun(n, Step("drive", DRIVING), "base_1", float(n))
-            record.add(run, DRIVE, Success())
+            record.update([StepEnd(run, DRIVE, Success(), n + 0.5)])
 
     assert [step.start for step in record.steps] == [6.0, 7.0, 8.0, 9.0]
     assert record.forgotten == 6
