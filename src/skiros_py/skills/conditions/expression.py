@@ -373,7 +373,8 @@ def _parsed(text: str) -> _Parsed:
         raise DescriptionError(f"expression '{text}': {error.orig_exc}") from error
 
 
-def _refuse(text: str, error: UnexpectedInput) -> NoReturn:
+def syntax_fault(text: str, error: UnexpectedInput) -> tuple[int, set[str]]:
+    """Returns the column, in the whole text, from which it cannot be parsed, and the names of what may stand there."""
     at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
     column = len(text.rstrip()) + 1 if at_end else (error.pos_in_stream or 0) + 1
     wanted: set[str] = set()
@@ -381,6 +382,11 @@ def _refuse(text: str, error: UnexpectedInput) -> NoReturn:
         wanted = set(error.accepts or error.expected)
     elif isinstance(error, UnexpectedCharacters):
         wanted = set(error.allowed or ())
+    return column, wanted
+
+
+def _refuse(text: str, error: UnexpectedInput) -> NoReturn:
+    column, wanted = syntax_fault(text, error)
     right = "an operator such as 'and', '<' or '+', or the end"
     if "NAME" in wanted:
         right = "a value: a name such as Gripper.force, a number, true, false, a text or '('"

@@ -17,11 +17,12 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from lark import Lark, Token, Transformer
-from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+from lark.exceptions import UnexpectedInput
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, GetPydanticSchema, Tag, TypeAdapter
 
 from skiros_py.errors import GoalSyntaxError
 from skiros_py.messages import Message, joined, listed
+from skiros_py.skills.conditions.expression import syntax_fault
 from skiros_py.world.vocabulary import ELEMENT
 
 
@@ -195,7 +196,8 @@ def _read(text: str, form: str) -> Form:
     try:
         parsed: Form = _grammar(form).parse(text)  # type: ignore[assignment]  # the transformer's result
     except UnexpectedInput as error:
-        raise GoalSyntaxError(re.sub(r"\s", " ", text), _column(error, text), _reason(error)) from error
+        column, wanted = syntax_fault(text, error)
+        raise GoalSyntaxError(re.sub(r"\s", " ", text), column, _reason(wanted)) from error
     return parsed
 
 
@@ -205,18 +207,7 @@ def _grammar(form: str) -> Lark:
     return Lark(text, parser="lalr", transformer=_Text() if form == "text" else _Pddl())
 
 
-def _column(error: UnexpectedInput, text: str) -> int:
-    """Returns the position in the whole text, which may have several lines."""
-    at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
-    return len(text.rstrip()) + 1 if at_end else (error.pos_in_stream or 0) + 1
-
-
-def _reason(error: UnexpectedInput) -> str:
-    names: set[str] = set()
-    if isinstance(error, UnexpectedToken):
-        names = set(error.accepts or error.expected)
-    elif isinstance(error, UnexpectedCharacters):
-        names = set(error.allowed or ())
+def _reason(names: set[str]) -> str:
     if {"WORD", "LPAR"} <= names:  # at the beginning of a condition
         return Message("expected a condition such as InKit(Starter, kit_1)")
     *most, last = sorted({_WORDS[name] for name in names if name in _WORDS}) or [Message("a condition")]
