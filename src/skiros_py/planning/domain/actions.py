@@ -42,11 +42,6 @@ def needs_of(skill: SkillDescription) -> tuple[Condition, ...]:
     return (*skill.needs, *(c for c in skill.hold if not is_sensed(c.pattern)))
 
 
-def sensed_holds_of(skill: SkillDescription) -> tuple[Condition, ...]:
-    """Returns the hold conditions on sensors: they are monitored at run time and ignored by planning."""
-    return tuple(c for c in skill.hold if is_sensed(c.pattern))
-
-
 def required_elements(skill: SkillDescription) -> tuple[Param, ...]:
     """Returns the element parameters that a plan must bind; the others have a default or stay open.
 
@@ -294,6 +289,7 @@ def _action(
     add = (*add, *could_become_true(changes, needed, asked))
     none = tuple(dict.fromkeys(none for part in pre for none in part.none))
     of_one = [c for c in skill.needs if c not in (*skill.counted, *skill.described, *skill.pre)]
+    sensed = [c for c in skill.hold if is_sensed(c.pattern)]
     spoken = {a for atom in (*needed, *add, *delete) for a in atom.arguments}
     spoken |= {a for such in none for atom in such.atoms for a in atom.arguments}
     said = (
@@ -302,7 +298,7 @@ def _action(
         *(f"precondition {c}: what its parameter is described as" for c in skill.described),
         *notes,
         *(f"precondition {c}: a number that is missing cannot be changed" for c in skill.counted),
-        *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill)),
+        *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed),
     )
     constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
     parameters = own + extra

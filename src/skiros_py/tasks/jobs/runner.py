@@ -116,7 +116,8 @@ class JobRunner:
             _log.error("everything is paused until the disk can be written: %s", fault)
             self.fault = joined(": ", (fault.path.name, fault.reason))
             self._held |= {job for job in self._runs if self._book.open[job].state is JobState.RUNNING}
-            self._announce_held()
+            for id_ in self._held:
+                self._book.announce(self.held(self._book.open[id_]))
 
     def _pause_all(self) -> None:
         """Pauses running tasks and modules, also those that were started since."""
@@ -154,10 +155,6 @@ class JobRunner:
             return job
         detail = Message("held: {fault}; it goes on by itself", fault=self.fault)
         return job.model_copy(update={"state": JobState.INTERRUPTED, "detail": detail})
-
-    def _announce_held(self) -> None:
-        for id_ in self._held:
-            self._book.announce(self.held(self._book.open[id_]))
 
     def _attend(self) -> None:
         while self._requests:

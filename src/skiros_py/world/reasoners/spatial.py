@@ -180,10 +180,6 @@ def _says_near(a: str, b: str, yes: bool, apart: float) -> str:
     return Message("{a} is not near {b}: there are {apart:.3f} m between them, more than {most} m", most=NEARBY, **said)
 
 
-def _shared(a: Boxes, b: Boxes) -> Array:
-    return np.maximum(depth(a, b), 0.0)
-
-
 def _overlaps(a: Boxes, b: Boxes) -> Bools:
     thinnest = np.minimum(a.halves.min(axis=1), b.halves.min(axis=1))
     return np.asarray(depth(a, b) > np.clip(thinnest, 1e-6, ACCURACY))
@@ -240,7 +236,9 @@ SPATIAL_RELATIONS: Mapping[str, SpatialRelation] = MappingProxyType(
             _rests, _height_on, _says_rests, (0.01, 0.01, 2.0 * RESTING), needs_map=True, needs_size=True
         ),
         NEAR: SpatialRelation(lambda a, b: is_closer(a, b, NEARBY), distance, _says_near, (NEARBY, NEARBY, NEARBY)),
-        OVERLAPS: SpatialRelation(_overlaps, _shared, _says_overlaps, (0.0, 0.0, 0.0), needs_size=True),
+        OVERLAPS: SpatialRelation(
+            _overlaps, lambda a, b: np.maximum(depth(a, b), 0.0), _says_overlaps, (0.0, 0.0, 0.0), needs_size=True
+        ),
         INSIDE: SpatialRelation(_is_inside, _clearance, _says_inside, (0.0, 0.0, 0.0), needs_size=True),
     }
 )
