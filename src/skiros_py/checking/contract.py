@@ -28,7 +28,8 @@ from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdi
 from skiros_py.world.element import Placement
 from skiros_py.world.index import Index
 from skiros_py.world.scene.files import describe, diff
-from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
+from skiros_py.world.view import pieces
+from skiros_py.world.vocabulary import MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
 _OF_MOVED = frozenset({POSE, MISSING, MISSED_LOOKS})
 """Properties for the location of an element, which change when it is moved."""
@@ -63,7 +64,7 @@ class _Declared:
             for effect in self._effects
             if isinstance(effect, Relate) and world.ontology.is_placement(effect.relation)
         }
-        self._moved = moved | {part for name in moved for part in _parts(world, name)}
+        self._moved = moved | {part for name in moved if world.has(name) for part in pieces(world, name)}
         self._emptied = {(p.relation, p.object) for p in (c.pattern for c in posts) if isinstance(p, Nothing)}
         filled = [c.pattern.pattern for c in posts if isinstance(c.pattern, Not)]
         self._filled = {(p.relation, p.object) for p in filled if isinstance(p, Nothing)}
@@ -95,12 +96,6 @@ class _Declared:
                 return (start, end) == (subject, object_) and relation in self._ontology.sub_relations(said)
             case _:
                 return False
-
-
-def _parts(world: Index, element: str) -> Iterator[str]:
-    for part in world.objects(element, HAS_A) if world.has(element) else ():
-        yield part
-        yield from _parts(world, part)
 
 
 def _is_at(placement: Placement | None, places: Collection[tuple[str, str]]) -> bool:
