@@ -14,11 +14,12 @@ from copy import copy
 from skiros_py.messages import Message
 from skiros_py.skills.conditions import Condition, Verdict, judge
 from skiros_py.skills.conditions.effects import Relate, effects_of
+from skiros_py.skills.conditions.pattern import number_of
 from skiros_py.skills.inference.inferring import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
-from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE_SEQUENCE_NUMBERS, WORK_NUMBER
+from skiros_py.world.view import WorldView, wholes
+from skiros_py.world.vocabulary import FLOOR, ROBOT, SEQUENCE_NUMBER, USE_SEQUENCE_NUMBERS, WORK_NUMBER
 
 
 def counts(view: WorldView) -> bool:
@@ -43,10 +44,8 @@ def sequence_number(view: WorldView, location: str) -> int | None:
 
 def turn_of(view: WorldView, place: str) -> tuple[int, str] | None:
     """Returns the work number of a place or of the whole it is part of, with its owner; None if there is none."""
-    own = _number(view, place, WORK_NUMBER)
-    if own is not None:
-        return own, place
-    return next((turn for whole in view.subjects(HAS_A, place) if (turn := turn_of(view, whole))), None)
+    numbers = ((_number(view, whole, WORK_NUMBER), whole) for whole in wholes(view, place))
+    return next(((number, whole) for number, whole in numbers if number is not None), None)
 
 
 def turns_of_goal(view: WorldView, goal: Sequence[Condition]) -> tuple[tuple[int, str] | None, ...]:
@@ -60,8 +59,8 @@ def _turn_of_condition(view: WorldView, condition: Condition) -> tuple[int, str]
 
 
 def _number(view: WorldView, element: str, property_: str) -> int | None:
-    value = view.value(element, property_)
-    return None if value is None or isinstance(value, bool) or not isinstance(value, int | float) else int(value)
+    number = number_of(view, element, property_)
+    return None if number is None else int(number)
 
 
 class Round:

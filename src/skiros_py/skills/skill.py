@@ -28,6 +28,7 @@ from skiros_py.skills.parameters import IT, Kind, Param, check_params
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.references import check_references, variables
 from skiros_py.skills.surroundings import robot_of
+from skiros_py.world.terms import reached
 from skiros_py.world.view import WorldView, wholes
 from skiros_py.world.vocabulary import HAS_A
 
@@ -43,10 +44,7 @@ def _together(key: str, said: Iterable[Condition]) -> set[str]:
     """What the conditions say to be of one whole with something, over any number of steps."""
     patterns = (condition.pattern for condition in said)
     links = [{p.subject, p.object} for p in patterns if isinstance(p, Related) and p.relation == HAS_A]
-    together = {key}
-    while more := {end for link in links if link & together for end in link} - together:
-        together |= more
-    return together
+    return set(reached([key], lambda end: (other for link in links if end in link for other in link)))
 
 
 def _of_one_robot(agent: Param, device: Param) -> Condition:
