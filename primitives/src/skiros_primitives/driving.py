@@ -57,13 +57,14 @@ class Bumper:
         self._base = base
         self._period = context.board.period
         exerted, self._before = self._read()
-        self._is_blind = self._inertia is None or exerted is None
+        if exerted is None:
+            self._inertia = None
         self._pushes = 0
 
     def felt(self) -> bool:
         """Returns True when the base has pushed something for some cycles."""
         exerted, speeds = self._read()
-        if self._is_blind:
+        if self._inertia is None:
             return False
         if exerted is None or not np.isfinite(exerted).all():
             raise DeviceError("{base} does not measure what its drives exert: it would feel no contact", base=self._base.id)

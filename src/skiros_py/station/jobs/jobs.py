@@ -314,7 +314,7 @@ class JobService(Service):
     def trace(self, id_: str, skip: int = 0, limit: int = 100) -> api.JobTrace:
         """Returns the trace of a job, in sentences and as data."""
         page = self._jobs.store.trace(self._jobs.job(id_).id, skip=skip, limit=limit)
-        return api.JobTrace(items=tuple(map(dict, page.entries)), next=None if page.next is None else str(page.next))
+        return api.JobTrace(items=page.entries, next=None if page.next is None else str(page.next))
 
     def report(self, id_: str) -> api.JobReport:
         """Returns the outcome of each condition and of each step."""

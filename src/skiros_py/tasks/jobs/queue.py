@@ -196,14 +196,22 @@ class JobBook:
         """Records that a request led to an existing job."""
         self.store.note(receipt, job, self.clock())
 
-    def move(self, job: Job, trigger: Trigger, comment: str = "", *, wall: float | None = None, **changes: Any) -> Job:
+    def move(self, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
+        """Changes a job's state and related fields.
+
+        Raises:
+            WrongState: The trigger is not allowed in its state.
+        """
+        return self.move_at(None, job, trigger, comment, **changes)
+
+    def move_at(self, wall: float | None, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
         """Changes a job's state and related fields.
 
         Args:
-            job: The job.
-            trigger: What leads to it.
-            comment: Why.
             wall: When that was, if it could not be stored then [s since 1970]; None for now.
+            job: The job.
+            trigger: What led to it.
+            comment: Why.
             **changes: The fields.
 
         Raises:

@@ -142,7 +142,7 @@ class JobRunner:
             job = self._book.open.get(id_)
             if job is not None and job.state is JobState.RUNNING:
                 held = self.held(job).detail
-                job = self._book.move(job, Trigger.HOLD, self.fault, wall=self._held_since, detail=held)
+                job = self._book.move_at(self._held_since, job, Trigger.HOLD, self.fault, detail=held)
             if job is not None and job.state is JobState.INTERRUPTED and not job.choices:
                 self._book.move(job, Trigger.RESUME, Message("the disk can be written again"), detail="goes on")
             self._held.remove(id_)

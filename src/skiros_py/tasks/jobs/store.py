@@ -124,7 +124,7 @@ class TracePage:
         next: How many entries to skip for the next page; None if this is the last one.
     """
 
-    entries: tuple[Mapping[str, Any], ...]
+    entries: tuple[dict[str, Any], ...]
     next: int | None
 
 
