@@ -118,7 +118,9 @@ class ContactWatch:
     def _left(self, state: ArmState, accelerations: Array) -> Array:
         joints = self._arm.spec.joints
         if len(state.efforts) != len(joints) or not np.isfinite(state.efforts).all():
-            raise DeviceError("{arm} does not measure what its joints exert: it would feel no contact", arm=self._arm.id)
+            raise DeviceError(
+                "{arm} does not measure what its joints exert: it would feel no contact", arm=self._arm.id
+            )
         motion = JointMotion(joints, np.asarray(state.positions), np.asarray(state.velocities), accelerations)
         return np.asarray(state.efforts) - self._dynamics.efforts(motion)
 

@@ -67,7 +67,9 @@ class Bumper:
         if self._inertia is None:
             return False
         if exerted is None or not np.isfinite(exerted).all():
-            raise DeviceError("{base} does not measure what its drives exert: it would feel no contact", base=self._base.id)
+            raise DeviceError(
+                "{base} does not measure what its drives exert: it would feel no contact", base=self._base.id
+            )
         needed = self._inertia * (speeds - self._before) / self._period
         self._before = speeds
         self._pushes = self._pushes + 1 if (np.abs(exerted - needed) > _PUSH).any() else 0

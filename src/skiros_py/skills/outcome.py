@@ -39,8 +39,8 @@ class Failure:
     Attributes:
         reason: What happened, in the operator's words.
         code: Negative progress code (paper §4.1).
-        values: Why, as plain data for programs: ``cause`` is the kind of reason, such as "reach", "collision", "limits",
-            "singularity", "contact", "not grasped", "device"; ``blocked_by`` are the ids of robots.
+        values: Why, as plain data for programs: ``cause`` is the kind of reason ("reach", "collision", "limits",
+            "singularity", "contact", "not grasped", "device", …); ``blocked_by`` are the ids of robots.
     """
 
     reason: str

@@ -178,7 +178,9 @@ class DocumentStore:
     def _readable(self, sql: str, *values: str) -> tuple[Document, ...]:
         """Returns the documents of a query that can be read; its first value is their kind."""
         kind, rows = values[0], self._database.rows(sql, values)
-        named = ((f"{_name(kind, name)} of version {version}", kind, name, version, data) for name, version, data in rows)
+        named = (
+            (f"{_name(kind, name)} of version {version}", kind, name, version, data) for name, version, data in rows
+        )
         return tuple(self._database.readable(named, _document))
 
 

@@ -134,7 +134,7 @@ def test_joint_angles_beyond_a_limit_are_refused_with_the_joint_and_its_limits(f
 
 
 def test_a_pose_inside_a_wall_is_refused_with_the_name_of_the_wall(fresh: ArmMotion) -> None:
-    inside = Pose(WALL.pose.position[:2] + (0.5,), (1.0, 0.0, 0.0, 0.0))
+    inside = Pose((*WALL.pose.position[:2], 0.5), (1.0, 0.0, 0.0, 0.0))
 
     answer = fresh.plan(request(LEFT, PoseMove(inside), obstacles=(WALL,)))
 

@@ -11,7 +11,6 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from skiros_py.api.server import ApiKey
 from skiros_py.database import COUNTED, Database, Schema

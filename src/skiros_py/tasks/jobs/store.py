@@ -85,7 +85,6 @@ _ROOM = 4 << 20
 """Maximum size of a page [characters]; further jobs go to the next page."""
 
 
-
 class _Entry(BaseModel, extra="allow"):
     """What each entry of a trace has, besides others."""
 
@@ -285,9 +284,7 @@ class JobStore:
                 _keep_receipt(connection, receipt, job.id, job.changed)
         return numbered
 
-    def keep(
-        self, job: Job, trigger: Trigger | None = None, comment: str = "", wall: float | None = None
-    ) -> None:
+    def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "", wall: float | None = None) -> None:
         """Stores a job.
 
         Args:
@@ -422,7 +419,9 @@ class JobStore:
         """
         sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
         rows = self._database.looked_up(sql, (job, limit + 1, min(skip, _LAST)))
-        named = ((f"entry {number} of the trace of job {job}", *row) for number, row in enumerate(rows[:limit], skip + 1))
+        named = (
+            (f"entry {number} of the trace of job {job}", *row) for number, row in enumerate(rows[:limit], skip + 1)
+        )
         entries = tuple(self._database.readable(named, _entry))
         return TracePage(entries, skip + limit if len(rows) > limit else None)
 

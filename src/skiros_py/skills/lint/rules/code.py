@@ -82,6 +82,7 @@ _INSTEAD = {
 }
 _WORKER = "let a worker do it and wait for its answer by self.wait(pending)"
 
+
 @rule("placeholder", "Code as `skiros new` wrote it, which does nothing yet.", Source, severity=Severity.WARNING)
 def placeholder(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     """Yields primitives and skills that still do what the scaffold wrote: wait, and assert their effects."""
