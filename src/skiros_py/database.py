@@ -113,7 +113,7 @@ class Schema:
     def damaged(self) -> str:
         """The message for a file that cannot be read as such."""
         return Message(
-            "the file is damaged, or not {what}, or the disk cannot be read: restore a copy of it, or use another folder",
+            "the file is damaged, or not {what}, or the disk cannot be read: restore a copy, or use another folder",
             what=self.what,
         )
 
