@@ -108,7 +108,7 @@ def test_rotation_keeps_the_chain_and_the_first_broken_record_is_named(
 
 
 def test_records_of_an_older_version_are_kept_and_the_chain_begins_after_them(tmp_path: Path) -> None:
-    old = Schema("list of keys", "the keys of a server", keys._SCHEMA.application, keys._SCHEMA.migrations[:1])
+    old = Schema("the keys of a server", keys._SCHEMA.application, keys._SCHEMA.migrations[:1])
     with closing(sqlite3.connect(tmp_path / "access.db")) as connection:
         old.upgrade(connection)
         rows = [(json.dumps(_entry(number)),) for number in range(3)]
