@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import sqlite3
@@ -17,6 +18,7 @@ from skiros_py.commits import CommitLog, LostCommits
 from skiros_py.database_file import connect, find_loss, give_up, last_commit, set_pragma
 from skiros_py.errors import DiskFault, FileError, WorldError
 from skiros_py.files import open_private
+from skiros_py.messages import Message
 
 _log = logging.getLogger(__name__)
 
@@ -35,15 +37,22 @@ _LEAST_SIZE = 512
 """Minimum page size of SQLite [bytes]: a shorter file is no database."""
 
 _WORDS = (
-    ("SQLITE_FULL", "the disk is full: nothing was changed"),
-    ("SQLITE_IOERR", "the disk cannot be written (is it full, or removed?): nothing was changed"),
+    ("SQLITE_FULL", Message("the disk is full: nothing was changed")),
+    ("SQLITE_IOERR", Message("the disk cannot be written (is it full, or removed?): nothing was changed")),
     ("SQLITE_CORRUPT", ""),
     ("SQLITE_NOTADB", ""),
-    ("SQLITE_BUSY", "another program uses the file: close it first"),
-    ("SQLITE_READONLY", "the file cannot be written: check the permissions of the file and its folder"),
-    ("SQLITE_CANTOPEN", "the file cannot be opened: check the permissions of the file and its folder"),
-    ("SQLITE_PERM", "the file cannot be opened: check the permissions of the file and its folder"),
+    ("SQLITE_BUSY", Message("another program uses the file: close it first")),
+    ("SQLITE_READONLY", Message("the file cannot be written: check the permissions of the file and its folder")),
+    ("SQLITE_CANTOPEN", Message("the file cannot be opened: check the permissions of the file and its folder")),
+    ("SQLITE_PERM", Message("the file cannot be opened: check the permissions of the file and its folder")),
 )
+_SYSTEM_WORDS = {
+    errno.ENOSPC: Message("No space left on device"),
+    errno.EIO: Message("Input/output error"),
+    errno.EROFS: Message("Read-only file system"),
+    errno.EDQUOT: Message("Disk quota exceeded"),
+}
+"""The errors of a disk, by what the system calls them."""
 COUNTED = "CREATE TABLE commits (last INTEGER NOT NULL); INSERT INTO commits VALUES (0x534b430000000000);"
 """The migration that counts commits; each schema has it."""
 _DISK = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY", "SQLITE_CORRUPT")
@@ -55,13 +64,11 @@ class Schema:
     """The tables of a kind of file, and the migrations between their versions.
 
     Attributes:
-        kind: Name of the kind of file, in one word ("journal").
-        what: The same with article and content ("the journal of a world").
+        what: The kind of file ("the journal of a world").
         application: SQLite's application id of such files.
         migrations: SQL from each version of the tables to the next; the first creates version 1.
     """
 
-    kind: str
     what: str
     application: int
     migrations: Sequence[str]
@@ -105,9 +112,9 @@ class Schema:
     @property
     def damaged(self) -> str:
         """The message for a file that cannot be read as such."""
-        return (
-            f"the file is damaged, or no {self.kind}, or the disk cannot be read: restore a copy of it, or use another"
-            " folder"
+        return Message(
+            "the file is damaged, or not {what}, or the disk cannot be read: restore a copy, or use another folder",
+            what=self.what,
         )
 
 
@@ -239,7 +246,7 @@ class Database:
     def _check_open(self, connection: sqlite3.Connection) -> None:
         """Raises DiskFault if SQLite has rolled the transaction back by itself, as on a full disk."""
         if not connection.in_transaction:
-            raise DiskFault(self.path, "the disk cannot be written: nothing was changed")
+            raise DiskFault(self.path, Message("the disk cannot be written: nothing was changed"))
 
     @contextmanager
     def reading(self) -> Iterator[None]:
@@ -277,19 +284,35 @@ class Database:
             with closing(self._looker.execute(sql, values)) as cursor:
                 return cursor.fetchall() if room is None else list(_fitting(cursor, room))
 
+    def read(self, name: str, read: Callable[..., T], *columns: Any) -> T:
+        """Reads a record.
+
+        Args:
+            name: Its name, for people.
+            read: Makes it of its columns; raises ValueError or TypeError if it cannot.
+            *columns: The columns.
+
+        Raises:
+            FileError: It cannot be read.
+        """
+        try:
+            return read(*columns)
+        except (ValueError, TypeError) as error:
+            raise FileError(self.path, f"{name} cannot be read: {_first_fault(error)}") from error
+
     def readable(self, rows: Iterable[tuple[str, *tuple[Any, ...]]], read: Callable[..., T]) -> Iterator[T]:
         """Yields the records that can be read; one that cannot is reported once, and hides no other.
 
         Args:
             rows: The rows of a query; the first column names the record.
-            read: Reads one, given its columns; raises FileError if it cannot be read.
+            read: Makes a record of its other columns; raises ValueError or TypeError if it cannot.
         """
-        for row in rows:
+        for name, *columns in rows:
             try:
-                yield read(*row)
+                yield self.read(name, read, *columns)
             except FileError as error:
-                if row[0] not in self.unreadable:
-                    self.unreadable[row[0]] = error
+                if name not in self.unreadable:
+                    self.unreadable[name] = error
                     _log.error("%s; it is left out, and stays in the file", error)
 
     def sync(self) -> None:
@@ -309,7 +332,8 @@ class Database:
                 with self._guard, self._faults():
                     ((busy, _, _),) = self._open().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
                 if busy:
-                    raise DiskFault(self.path, "the disk failed, and the log cannot be written again while it is read")
+                    reason = Message("the disk failed, and the log cannot be written again while it is read")
+                    raise DiskFault(self.path, reason)
                 self._unsafe, self.fault = False, None
             log = os.open(self.path.with_name(f"{self.path.name}-wal"), os.O_RDONLY)
             try:
@@ -320,7 +344,8 @@ class Database:
             pass  # there is no log: everything is in the file
         except OSError as error:
             self._unsafe = True
-            self.fault = DiskFault(self.path, f"the disk cannot be written: {error.strerror or error}")
+            why = _SYSTEM_WORDS.get(error.errno or 0, error.strerror or str(error))
+            self.fault = DiskFault(self.path, Message("the disk cannot be written: {error}", error=why))
             raise self.fault from error
         self._synced = max(self._synced, committed)
         if self._notes is not None:
@@ -493,7 +518,16 @@ def _number(connection: sqlite3.Connection, pragma: str) -> int:
     return int(value)
 
 
+def _first_fault(error: Exception) -> str:
+    from pydantic import ValidationError
+
+    if not isinstance(error, ValidationError):
+        return str(error)
+    fault = error.errors()[0]
+    return ": ".join(filter(None, (".".join(map(str, fault["loc"])), fault["msg"])))
+
+
 def _words(error: sqlite3.Error, schema: Schema) -> str:
     name = getattr(error, "sqlite_errorname", "")
-    said = next((words for begin, words in _WORDS if name.startswith(begin)), "it cannot be used")
-    return f"{said or schema.damaged} ({error})"
+    said = next((words for begin, words in _WORDS if name.startswith(begin)), f"it cannot be used ({error})")
+    return said or schema.damaged

@@ -22,12 +22,26 @@ _COUNTED = re.compile(rb"SKC(.{5})", re.DOTALL)
 def connect(path: Path) -> sqlite3.Connection:
     """Opens a file for writing, too."""
     # Transactions are begun explicitly; our own lock serialises threads.
-    return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
+    connection = sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
+    connection.text_factory = _decoded
+    return connection
 
 
 def _connect_read_only(path: Path, more: str = "") -> sqlite3.Connection:
     """Opens a file without changing it: SQLite neither checkpoints nor removes its log at the end."""
-    return sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro{more}", timeout=1.0, isolation_level=None, uri=True)
+    connection = sqlite3.connect(
+        f"{path.absolute().as_uri()}?mode=ro{more}", timeout=1.0, isolation_level=None, uri=True
+    )
+    connection.text_factory = _decoded
+    return connection
+
+
+def _decoded(text: bytes) -> str | bytes:
+    """Returns a text of a file; its bytes if it is damaged, so that it hides no other row of a query."""
+    try:
+        return text.decode()
+    except UnicodeDecodeError:
+        return text
 
 
 def find_loss(path: Path, check: Callable[[sqlite3.Connection, Path], None] | None = None) -> commits.Loss | None:

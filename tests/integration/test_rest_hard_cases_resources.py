@@ -8,7 +8,9 @@ import sqlite3
 import threading
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import psutil
@@ -17,6 +19,7 @@ from support.server_process import ServerProcess
 from support.serving import Served, serving
 
 from skiros_py.errors import FileError
+from skiros_py.server.settings import ServerSettings
 
 from .hard import ANYHOW, HOLDS, LATER, STARTER, api_of, job_of, moves, over, until
 
@@ -112,6 +115,39 @@ def test_the_server_upgrades_an_old_job_file_in_which_an_unreadable_job_is_named
         assert api.put("/jobs/new", json=HOLDS).json()["number"] == 6
     with closing(sqlite3.connect(tmp_path / "jobs.db")) as file:
         assert file.execute("SELECT data FROM jobs WHERE id = 'torn'").fetchall() == [("{",)]
+
+
+def test_damaged_records_of_traces_audit_log_documents_and_webhooks_hide_no_others_and_raise_alarms(
+    tmp_path: Path,
+) -> None:
+    write_old_jobs(tmp_path / "jobs.db")
+    begun = json.dumps({"time": 0.5, "what": "begun", "text": "begun", "data": {}})
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as file, file:
+        file.executemany("INSERT INTO trace VALUES ('cut', ?)", [("{",), (begun,)])
+    settings = replace(ServerSettings(), webhook_hosts=("127.0.0.1",))
+    with serving("kitting", tmp_path, settings=settings) as served, api_of(served) as api:
+        for name in ("a", "b"):
+            new = {"data": {"steps": [{"skill": "drive", "arguments": {}}]}}
+            api.put(f"/documents/sequence/{name}", json=new, headers={"If-None-Match": "*"}).raise_for_status()
+        hook = api.post("/webhooks", json={"url": "http://127.0.0.1:9/"}).raise_for_status().json()["webhook"]["id"]
+        assert len(api.get("/audit").json()["items"]) == 3
+        for name, change in (
+            ("access.db", "UPDATE audit SET data = '{' WHERE number = 2"),
+            ("server.db", "UPDATE documents SET data = '{' WHERE name = 'a'"),
+            ("webhooks.db", "UPDATE subscriptions SET data = '{'"),
+        ):
+            with closing(sqlite3.connect(tmp_path / name)) as file, file:
+                file.execute(change)
+
+        def items(path: str) -> list[dict[str, Any]]:
+            return api.get(path).raise_for_status().json()["items"]
+
+        assert [entry["text"] for entry in items("/jobs/cut/trace")] == ["begun"]
+        assert [record["number"] for record in items("/audit")] == [3, 1]
+        assert [one["id"] for one in items("/documents/sequence")] == ["b"]
+        assert items("/webhooks") == []
+        named = {"entry 1 of the trace of job cut", "record 2 of the audit log", f"webhook {hook}"}
+        until(lambda: named < {alarm["source"] for alarm in items("/alarms") if alarm["kind"] == "record"})
 
 
 def test_the_server_leaves_a_job_file_of_a_later_version_alone(tmp_path: Path) -> None:

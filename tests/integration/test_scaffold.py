@@ -194,6 +194,15 @@ def test_the_names_in_a_generated_package_carry_its_own_so_that_no_two_packages_
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
 
 
+def test_check_plugin_names_what_in_a_new_package_does_nothing_yet(package: Path, skiros: Skiros) -> None:
+    status, said, _ = skiros("check-plugin", f"{package}/", "--no-run")
+
+    warnings = [line for line in said.splitlines() if "placeholder" in line]
+    assert status == 0
+    assert [line.partition(": ")[0] for line in warnings] == ["warning"] * len(warnings)
+    assert any("primitives/look_at.py" in line and "LookAt does nothing yet" in line for line in warnings)
+
+
 def test_a_package_can_be_named_src(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # ``python -m pytest`` puts the checkout on the path, where ``src`` is a folder.
     monkeypatch.setattr(sys, "path", [place for place in sys.path if place and Path(place) != ROOT])

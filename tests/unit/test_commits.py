@@ -22,7 +22,7 @@ from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.database_file import accept_loss, back_up, find_loss
 from skiros_py.errors import FileError
 
-_SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);", COUNTED))
+_SCHEMA = Schema("a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);", COUNTED))
 _NUMBER = 12
 
 

@@ -12,8 +12,9 @@ from skiros_primitives.contact import ContactWatch, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
-from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
 from skiros_py.ports.cell import RobotSpec
@@ -99,6 +100,10 @@ _BLOCK = 0.10
 """Side length of the block that is assumed where a link has met something [m]."""
 _AHEAD = 0.10
 """How far the middle of that block is ahead of the link's frame [m]."""
+_SILENCE = 5.0
+"""How long a camera may be silent [s]."""
+_ASK_AGAIN = 0.1
+"""Time after which it is asked again [s]."""
 _BACK = 0.15
 """Time of its motion by which an arm moves back from a contact [s]."""
 
@@ -207,6 +212,26 @@ class ArmPrimitive(Primitive[Any]):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
         return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
+
+    def take_picture(self, camera: str) -> Execution[DepthImage]:
+        """Takes a picture; a camera that is silent for a moment is asked again.
+
+        Raises:
+            DeviceError: It stays silent.
+        """
+        handle, deadline = Camera(self.context.board, camera), self.context.now + _SILENCE
+        while True:
+            try:
+                picture = handle.capture()
+                while not (self.context.lockstep or picture.done()):
+                    if self.context.now >= deadline:
+                        raise DeviceError("{camera} sends no picture", camera=camera)
+                    yield
+                return (yield from self.wait(picture))
+            except DeviceError:
+                if self.context.now >= deadline:
+                    raise
+            yield from self.context.sleep(_ASK_AGAIN)
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
         """Opens the fingers as far as they go."""

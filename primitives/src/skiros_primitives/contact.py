@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiros_py.devices.arm import Arm, ArmState
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, rotation_matrix
 from skiros_py.ports.kinematics import Dynamics, JointMotion, Kinematics
 from skiros_py.skills.context import RunContext
@@ -116,6 +117,10 @@ class ContactWatch:
 
     def _left(self, state: ArmState, accelerations: Array) -> Array:
         joints = self._arm.spec.joints
+        if len(state.efforts) != len(joints) or not np.isfinite(state.efforts).all():
+            raise DeviceError(
+                "{arm} does not measure what its joints exert: it would feel no contact", arm=self._arm.id
+            )
         motion = JointMotion(joints, np.asarray(state.positions), np.asarray(state.velocities), accelerations)
         return np.asarray(state.efforts) - self._dynamics.efforts(motion)
 

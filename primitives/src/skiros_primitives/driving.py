@@ -17,6 +17,7 @@ from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
 from skiros_py.devices.arm import ArmSpec
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
@@ -55,14 +56,20 @@ class Bumper:
         self._inertia = _inertia(dynamics) if dynamics is not None else None
         self._base = base
         self._period = context.board.period
-        self._before = self._read()[1]
+        exerted, self._before = self._read()
+        if exerted is None:
+            self._inertia = None
         self._pushes = 0
 
     def felt(self) -> bool:
         """Returns True when the base has pushed something for some cycles."""
         exerted, speeds = self._read()
-        if self._inertia is None or exerted is None:
+        if self._inertia is None:
             return False
+        if exerted is None or not np.isfinite(exerted).all():
+            raise DeviceError(
+                "{base} does not measure what its drives exert: it would feel no contact", base=self._base.id
+            )
         needed = self._inertia * (speeds - self._before) / self._period
         self._before = speeds
         self._pushes = self._pushes + 1 if (np.abs(exerted - needed) > _PUSH).any() else 0
@@ -244,9 +251,8 @@ class DriveBase(DrivingPrimitive):
         while True:
             path = yield from self._plan(goal)
             if isinstance(path, NoMotion):
-                return Failure(
-                    Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
-                )
+                reason = Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
+                return Failure(reason, values=path.values)
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:

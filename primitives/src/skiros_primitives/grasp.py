@@ -10,7 +10,6 @@ from skiros_primitives.arm_moves import HandlingPrimitive
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
-from skiros_py.devices.camera import Camera
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
@@ -69,7 +68,8 @@ class Grasp(HandlingPrimitive):
             "grasp", [level(part_pose) @ pose for pose in grasp.poses], touching
         )
         if isinstance(planned, NoMotion):
-            return Failure(Message("{part} cannot be reached: {reason}", part=self.params.part, reason=planned.reason))
+            reason = Message("{part} cannot be reached: {reason}", part=self.params.part, reason=planned.reason)
+            return Failure(reason, values=planned.values)
         outcome = yield from self._take(planned, part_pose, grasp, grasp.poses[chosen])
         if isinstance(outcome, Failure):
             turn = math.degrees(grasp.poses[chosen].yaw)
@@ -80,7 +80,7 @@ class Grasp(HandlingPrimitive):
         gripper, up = self.gripper, planned.legs[-1]
         refusal = yield from self.come_down(planned)
         if refusal is not None:
-            return Failure(refusal.reason)
+            return Failure(refusal.reason, values=refusal.values)
         self.progress(2, Message("closing"))
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
         tool = self.tool_pose()
@@ -89,7 +89,7 @@ class Grasp(HandlingPrimitive):
         refusal = yield from self.follow(up, expected=self.weight(self.params.part), landing=0.0)
         if refusal is not None:
             yield from self.recover()
-            return Failure(refusal.reason)
+            return Failure(refusal.reason, values=refusal.values)
         self.retreat = None
         state = gripper.state
         if abs(state.gap - grasp.width) > _GAP_TOLERANCE or state.force < _FIRM:
@@ -113,7 +113,7 @@ class Grasp(HandlingPrimitive):
         nominal = wanted.inverse()
         x, _, z = expected.position
         guess = Pose((x, nominal.position[1], z), nominal.orientation)
-        image = yield from self.wait(Camera(self.context.board, self.params.camera).capture())
+        image = yield from self.take_picture(self.params.camera)
         found = yield from self.how_it_sits(image, self.params.camera, self.params.part, guess)
         if found is None or (found.pose is None and not found.visible):
             return guess
@@ -148,9 +148,8 @@ class Grasp(HandlingPrimitive):
             self.retreat, self._lifting = up, False
         yield from self.open_wide(gripper)
         yield from self.recover()
-        return Failure(
-            Message("{part} is not in the gripper after the lift: {found}", part=self.params.part, found=found)
-        )
+        reason = Message("{part} is not in the gripper after the lift: {found}", part=self.params.part, found=found)
+        return Failure(reason, values={"cause": "not grasped"})
 
 
 def _reversed(way: Trajectory) -> Trajectory:

@@ -136,7 +136,7 @@ class Locate(LookingPrimitive):
             x, y, _ = region.pose.position
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
-                return Failure(look.reason)
+                return Failure(look.reason, values=look.values)
             self._believe_taller(look)
             seen = self._write(look)
             if self.params.part in seen:

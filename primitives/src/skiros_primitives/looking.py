@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import downward, part_models
-from skiros_py.devices.camera import Camera, CameraSpec
+from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.messages import Message
@@ -106,7 +106,7 @@ class LookingPrimitive(ArmPrimitive):
         back = self.camera_in_tip(camera).inverse() @ Pose((-aside, 0.0, 0.0))
         fresh = self.context.tried.fresh("view", range(_VIEWS))
         others = [view for view in range(_VIEWS) if view not in fresh]
-        reason = ""
+        refusal: NoMotion | None = None
         for height, views in product(_LOOK_HEIGHTS, filter(None, (fresh, others))):
             yaws = [self.base_pose.yaw + view * math.tau / _VIEWS for view in views]
             routes = [(PoseMove(downward(x, y, surface + height, yaw) @ back),) for yaw in yaws]
@@ -114,10 +114,11 @@ class LookingPrimitive(ArmPrimitive):
             refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
             if isinstance(planned, MotionPlan) and refusal is None:
                 self._view = views[planned.route]
-                image = yield from self.wait(Camera(self.context.board, camera.id).capture())
+                image = yield from self.take_picture(camera.id)
                 return image, self.context.frames.at(image.snapshot).located(camera.id)
-            reason = refusal.reason if refusal is not None else ""
-        return NoMotion(Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=reason))
+        assert refusal is not None, "each view is taken or refused"
+        reason = Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=refusal.reason)
+        return replace(refusal, reason=reason)
 
 
 _CLEAR = 0.9
@@ -252,7 +253,7 @@ class RegisterPart(LookingPrimitive):
         x, y, _ = believed.position
         look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF)), x, y)
         if isinstance(look, NoMotion):
-            return Failure(look.reason)
+            return Failure(look.reason, values=look.values)
         nearest = min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
         return self._judge(nearest, believed)
 
@@ -304,7 +305,7 @@ class VerifyPlace(LookingPrimitive):
             x, y, _ = region.pose.position
             look = yield from self.look_for_parts(region, x + 0.03 * attempt, y)
             if isinstance(look, NoMotion):
-                return Failure(look.reason)
+                return Failure(look.reason, values=look.values)
             wanted = self.world.element(self.params.part).type
             seen = next((d for d in look.detections if d.type == wanted), None)
             if seen is not None:

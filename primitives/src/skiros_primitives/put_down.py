@@ -63,7 +63,8 @@ class PuttingPrimitive(HandlingPrimitive):
         sits = holding[1].pose.inverse()
         chosen, planned = yield from self.plan_fresh("place", [level(pose) @ sits for pose in poses], touching)
         if isinstance(planned, NoMotion):
-            return Failure(Message("{place} cannot be reached: {reason}", place=place, reason=planned.reason))
+            reason = Message("{place} cannot be reached: {reason}", place=place, reason=planned.reason)
+            return Failure(reason, values=planned.values)
         outcome = yield from self._release(planned, place, believed)
         if isinstance(outcome, Failure):
             turn = math.degrees(poses[chosen].yaw)
@@ -74,7 +75,7 @@ class PuttingPrimitive(HandlingPrimitive):
         gripper, width = self.gripper, self.world.value(self.params.part, v.GRASP_WIDTH)
         refusal = yield from self.come_down(planned, landing=_LANDING)
         if refusal is not None:
-            return Failure(refusal.reason)
+            return Failure(refusal.reason, values=refusal.values)
         self.progress(2, Message("releasing"))
         before = gripper.state.gap
         gap = min(self.gripper_spec.max_gap, (width if isinstance(width, float) else before) + _OPEN)

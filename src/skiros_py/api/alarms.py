@@ -42,6 +42,8 @@ class AlarmKind(enum.StrEnum):
     """A robot asks a question."""
     JOB = "job"
     """A job is held and waits for an answer."""
+    RECORD = "record"
+    """A stored record, such as a job, cannot be read: it is left out of all lists."""
     PLUGIN = "plug-in"
     """A plug-in does not load, or its signal provider was switched off or left out."""
     STALE = "stale"

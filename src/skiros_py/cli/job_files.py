@@ -55,11 +55,11 @@ class JobFiles:
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""
-        return plan_of(self._job(job), self._store.trace(job))
+        return plan_of(self._job(job), self._store.trace(job).entries)
 
     def trace(self, job: str, *, limit: int, cursor: str | None = None) -> JobTrace:  # noqa: ARG002 - as of a server
         """Returns the trace of a job, on one page."""
-        return JobTrace(items=self._store.trace(self._job(job).id))
+        return JobTrace(items=self._store.trace(self._job(job).id).entries)
 
     def _job(self, job: str) -> Known:
         known = self._store.job(job)

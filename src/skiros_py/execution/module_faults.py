@@ -6,10 +6,10 @@ import logging
 from collections.abc import Callable
 from typing import TypeVar
 
-from skiros_py.errors import SkirosError
+from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.interruptions import CycleOverrun, not_the_authors
 from skiros_py.messages import Message, joined
-from skiros_py.skills.outcome import BROKEN, Failure
+from skiros_py.skills.outcome import BROKEN, DEVICE_FAILED, Failure
 
 T = TypeVar("T")
 
@@ -41,13 +41,16 @@ def contained(what: str, action: Callable[[], T]) -> T | Failure:
 
 
 def broken(what: str, error: BaseException, origin: str = "") -> Failure:
-    """Logs an error in an author's code and returns it as a failure.
+    """Logs an error in an author's code, or of a device that it uses, and returns it as a failure.
 
     Args:
         what: What broke.
         error: What was raised.
         origin: Where its code is from.
     """
+    if isinstance(error, DeviceError):
+        _log.warning("%s: %s", what, error)
+        return Failure(joined(": ", (what, str(error))), DEVICE_FAILED, {"cause": "device"})
     _log.error("%s%s broke", what, f", {origin}," if origin else "", exc_info=error)
     return Failure(Message("{what} broke: {error}", what=what, error=words(error)), BROKEN)
 

@@ -138,12 +138,13 @@ class BasePaths:
             return BasePath((), request.goal.yaw)
         floor = _Floor(request)
         if touched := floor.touched(request.goal, request.goal, 0.0):
-            return NoMotion(f"at its goal the base would touch {touched}")
+            return NoMotion.because("collision", f"at its goal the base would touch {touched}")
         found = floor.ways()
         if isinstance(found, NoMotion):
             return found
         if not found:
-            return NoMotion(f"there is no way to the goal that is wide enough for the base{_without(request)}")
+            reason = f"there is no way to the goal that is wide enough for the base{_without(request)}"
+            return NoMotion.because("not found", reason)
         fastest = sorted((_driven(way, floor) for way in found), key=lambda one: one.duration)[:_BEST]
         return min((_tightened(one, floor) for one in fastest), key=lambda one: one.duration).path
 
@@ -331,11 +332,11 @@ class _Floor:
         for space in reversed(self._spaces):
             outs, entries = self._outs(space), self._entries(space)
             if space is self.space and not outs:
-                return NoMotion(f"the base cannot leave where it stands: {self._nearest(self.start)} is in the way")
+                reason = f"the base cannot leave where it stands: {self._nearest(self.start)} is in the way"
+                return NoMotion.because("collision", reason)
             if space is self.space and not entries:
-                return NoMotion(
-                    f"the base cannot drive straight into its goal: {self._before(self.goal)} is in the way"
-                )
+                reason = f"the base cannot drive straight into its goal: {self._before(self.goal)} is in the way"
+                return NoMotion.because("collision", reason)
             for entry in entries:
                 way = space.shortest(outs[0], _xy(entry), gates) if outs else None
                 if way is not None:

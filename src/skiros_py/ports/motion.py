@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -155,6 +155,11 @@ class Refusal:
     reason: str
 
 
+def furthest(refusals: Iterable[Refusal]) -> Refusal | None:
+    """Returns the first refusal of what came furthest, after reflexes a search; None if there is none."""
+    return max(refusals, key=lambda one: (one.move, one.cause == "not found"), default=None)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """Joint set-points, one per control period, from rest to rest.
@@ -196,12 +201,24 @@ class NoMotion:
     Attributes:
         reason: For a person ("pose 2 cannot be reached", ...).
         met: True when the robot has touched something that it did not expect.
-        refusals: Why each way of moving that was tried is not possible; planners of bases give none.
+        refusals: Why each way of moving that was tried is not possible.
     """
 
     reason: str
     met: bool = False
     refusals: tuple[Refusal, ...] = ()
+
+    @classmethod
+    def because(cls, cause: Cause, reason: str) -> NoMotion:
+        """Makes the answer that holds for every way of moving."""
+        return cls(reason, refusals=(Refusal(0, 0, "", cause, reason),))
+
+    @property
+    def values(self) -> dict[str, str]:
+        """What kind of reason it is, as values of a failure: a :data:`Cause` or "contact"; empty if unknown."""
+        decisive = furthest(self.refusals)
+        cause = "contact" if self.met else decisive.cause if decisive else ""
+        return {"cause": cause} if cause else {}
 
 
 class ArmPlanner(Protocol):

@@ -67,6 +67,7 @@ class Services:
             self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, stack)
             stack.enter_context(station)
             self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, stack)
+            station.unreadable += [self.keys.unreadable, self.audit.unreadable, self.webhooks.unreadable]
             self._close = stack.pop_all().close
         return self
 

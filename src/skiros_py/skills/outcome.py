@@ -13,6 +13,8 @@ BROKEN = -3
 """Code of a failure that is a mistake in a module's code: the log has the traceback."""
 OBSTRUCTED = -4
 """Code of a failure because other robots block the path, ``values["blocked_by"]``: not the target's fault."""
+DEVICE_FAILED = -5
+"""Code of a failure because a device does not answer, was switched off, or says nothing usable."""
 CANCELLED = -2
 """Code of a failure that is not the skill's own: it was ended because the world changed."""
 
@@ -37,7 +39,8 @@ class Failure:
     Attributes:
         reason: What happened, in the operator's words.
         code: Negative progress code (paper §4.1).
-        values: What is in the way, as plain data: ``blocked_by`` are the ids of robots.
+        values: Why, as plain data for programs: ``cause`` is the kind of reason ("reach", "collision", "limits",
+            "singularity", "contact", "not grasped", "device", …); ``blocked_by`` are the ids of robots.
     """
 
     reason: str

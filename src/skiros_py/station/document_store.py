@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import FileError, StaleVersion, UnknownName
+from skiros_py.errors import StaleVersion, UnknownName
 from skiros_py.messages import Message
 
 TEMPLATE, SEQUENCE = "template", "sequence"
@@ -34,7 +33,7 @@ UPDATE documents SET kind = 'template' WHERE kind = 'goal template';
 UPDATE revisions SET kind = 'template' WHERE kind = 'goal template';
 """
 
-_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS, _RENAMED, COUNTED))
+_SCHEMA = Schema(Message("the documents of a server"), 0x736B7376, (_TABLES, _REVISIONS, _RENAMED, COUNTED))
 """Application id of such a file: "sksv"."""
 
 _REVISIONS_KEPT = 50
@@ -80,22 +79,24 @@ class DocumentStore:
 
     Raises:
         FileError: It cannot be opened or created, or is damaged.
+
+    Attributes:
+        unreadable: The documents that were left out because they cannot be read, by name.
     """
 
     def __init__(self, path: Path, tell: Tell = _ignore) -> None:
         self._tell = tell
         self._database = Database(path, _SCHEMA, durable=True)
-        self._path = path
+        self.unreadable = self._database.unreadable
 
     def all(self, kind: str) -> tuple[Document, ...]:
         """Returns the documents of a kind that can be read, by name."""
-        rows = self._database.rows("SELECT name, version, data FROM documents WHERE kind = ? ORDER BY name", (kind,))
-        return tuple(self._database.readable(rows, partial(self._document, kind)))
+        return self._readable("SELECT name, version, data FROM documents WHERE kind = ? ORDER BY name", kind)
 
     def get(self, kind: str, name: str) -> Document | None:
         """Returns a document; None if there is none."""
         rows = self._database.rows("SELECT version, data FROM documents WHERE kind = ? AND name = ?", (kind, name))
-        return next((self._document(kind, name, *row) for row in rows), None)
+        return next((self._database.read(_name(kind, name), _document, kind, name, *row) for row in rows), None)
 
     def find(self, kind: str, name: str) -> Document:
         """Returns a document.
@@ -110,10 +111,8 @@ class DocumentStore:
 
     def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
         """Returns the last revisions of a document, oldest first, also of a removed one."""
-        rows = self._database.rows(
-            "SELECT version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version", (kind, name)
-        )
-        return tuple(self._document(kind, name, *row) for row in rows)
+        sql = "SELECT name, version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version"
+        return self._readable(sql, kind, name)
 
     def put(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
         """Writes a new document or replaces an existing one; when this returns, it is on disk.
@@ -176,8 +175,18 @@ class DocumentStore:
                 )
             )
 
-    def _document(self, kind: str, name: str, version: int, data: str) -> Document:
-        try:
-            return Document(kind, name, version, json.loads(data))
-        except ValueError as error:
-            raise FileError(self._path, f"the {kind} '{name}' in it cannot be read: {error}") from error
+    def _readable(self, sql: str, *values: str) -> tuple[Document, ...]:
+        """Returns the documents of a query that can be read; its first value is their kind."""
+        kind, rows = values[0], self._database.rows(sql, values)
+        named = (
+            (f"{_name(kind, name)} of version {version}", kind, name, version, data) for name, version, data in rows
+        )
+        return tuple(self._database.readable(named, _document))
+
+
+def _name(kind: str, name: str) -> str:
+    return f"the {kind} '{name}'"
+
+
+def _document(kind: str, name: str, version: int, data: str) -> Document:
+    return Document(kind, name, version, json.loads(data))

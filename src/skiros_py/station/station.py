@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Literal, Self
 
 from platformdirs import user_cache_path
 
+from skiros_py.errors import FileError
 from skiros_py.recording.reader import JOBS
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.alarms.sources import AlarmSources
@@ -68,6 +70,7 @@ class Station:
         motions: The planned motions of devices.
         document_store: The stored documents, while it runs.
         module_runs: Active and recent runs of modules.
+        unreadable: The records of each file that were left out because they cannot be read, by name.
         scene_store: The files of scenes.
         robot_models: Visual models of the robots.
         query_worker: Answers SPARQL queries in processes that may be killed.
@@ -80,6 +83,7 @@ class Station:
         self.control = ControlThread(opening)
         self.events = EventLog(events)
         self.alarms = Alarms(self.events, lambda: self.session)
+        self.unreadable: list[Mapping[str, FileError]] = []
         self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
         self.observations = Observations()
         self.motions = Motions()
@@ -115,7 +119,7 @@ class Station:
             self.module_runs.open,
             self.tasks.open,  # before the events, which name the job of each task
             partial(EventSources, self.events, self.tasks, self.module_runs),
-            partial(AlarmSources, self.alarms, self.control),
+            partial(AlarmSources, self.alarms, self.control, self.unreadable),
             self.waiter.open,
             self.scenes.open,
             self.simulation.open,
@@ -165,6 +169,7 @@ class Station:
             stack.callback(self.waiter.close)
             stack.callback(self.previews.close)
             self.document_store = stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
+            self.unreadable.append(self.document_store.unreadable)
             self.control.call(self.documents.open)
             self._close = stack.pop_all().close
         return self

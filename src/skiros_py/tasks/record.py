@@ -5,7 +5,9 @@ from __future__ import annotations
 import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 
+from skiros_py.errors import WorldError
 from skiros_py.messages import Message, joined
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
@@ -18,8 +20,9 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 from skiros_py.tasks.trace import StepEnd
+from skiros_py.world.change import Edit, PlacementEdit
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DEVICE, ROBOT
+from skiros_py.world.vocabulary import DEVICE, ROBOT, ROOT
 
 _LONGEST = 10_000
 """Maximum number of steps kept per task: a sequence may run for months."""
@@ -61,6 +64,7 @@ class TaskRecord:
         self.stopped = False
         self.fault = ""
         self._context = context
+        self._first = context.world.version
         self._view = context.world
         self._goal = tuple(goal)
         self._attempts = attempts
@@ -178,13 +182,28 @@ class TaskRecord:
         """Returns the last failure; if there was none, why there is no plan."""
         failed = [(target, why) for target, why in self._reasons.items() if self._concerns(condition, target)]
         if not failed:
-            return given_up.get(condition, Message("it does not hold any more"))
+            reason = given_up.get(condition, Message("it does not hold any more"))
+            return joined("; ", filter(None, (self._why_lost(condition), reason)))
         target, (reason, tried) = failed[-1]
         if target not in self.left_out:
             return reason
         said = {"reason": reason, "thing": target, "count": self._attempts}
         text = Message("{reason}; gave up on {thing} after {count} failed tries", **said)
         return Message("{text} (tried: {tried})", text=text, tried=joined(", ", tried.texts)) if tried.texts else text
+
+    def _why_lost(self, condition: Condition) -> str:
+        """Returns how the last thing that this condition is about was lost in this task; an empty text if none was."""
+        with suppress(WorldError):  # the journal was compacted since
+            for change in reversed(self._context.world.changes_since(self._first)):
+                if any(self._is_loss(edit, condition) for edit in change.edits):
+                    return change.reason
+        return ""
+
+    def _is_loss(self, edit: Edit, condition: Condition) -> bool:
+        if not isinstance(edit, PlacementEdit) or edit.old is None or edit.new is None:
+            return False
+        lost = self._view.has(edit.new.place) and self._is_a(edit.new.place, ROOT)
+        return lost and any(self._fits(edit.element, argument) for argument in condition.arguments)
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Returns True if the step's target, or an element it moves, occurs in the condition."""

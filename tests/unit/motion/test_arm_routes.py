@@ -148,9 +148,12 @@ def test_the_nearer_of_two_routes_is_taken(motion: ArmMotion, bench: SimpleNames
 def test_a_distant_pose_is_reported_as_out_of_reach(motion: ArmMotion, bench: SimpleNamespace) -> None:
     request = replace(bench.pick("relay", Pose((2.5, 0.0, 0.5)), 0.5), obstacles=())
 
-    reason = refused(motion.plan(request))
+    answer = motion.plan(request)
+    reason = refused(answer)
 
     assert "out of reach" in reason
+    assert isinstance(answer, NoMotion)
+    assert answer.values == {"cause": "reach"}
     assert "move 1 (to a pose)" in reason
 
 

@@ -33,6 +33,7 @@ from skiros_py.ports.motion import (
 )
 
 LEFT, RIGHT = (-2.3, -0.2, 0.0, -2.2, 0.0, 2.0, 0.7854), (-0.8, -0.2, 0.0, -2.2, 0.0, 2.0, 0.7854)
+FORWARD = (0.0, 0.3, 0.0, -1.2, 0.0, 1.5, 0.7854)
 POST = Obstacle("post", Solid.box(0.06, 0.06, 1.0), Pose((0.75, 0.0, 0.0)))
 WALL = Obstacle("wall", Solid.box(0.04, 0.04, 1.0), Pose((0.5, 0.0, 0.0)))
 
@@ -92,18 +93,54 @@ def test_where_neither_is_possible_it_is_searched_and_the_reasons_of_both_are_ke
     assert "wall" in causes["straight line"][1]
 
 
-def test_a_line_through_a_singular_posture_is_refused_as_that(fresh: ArmMotion) -> None:
-    """Straight up until the arm is stretched."""
-    start = tip(LEFT)
-    up = Pose((start.position[0], start.position[1], start.position[2] + 0.9), start.orientation)
+def line(posture: tuple[float, ...], x: float, y: float, z: float) -> LineMove:
+    """A line that moves the tip, without turning it, from where it is."""
+    return LineMove(Pose((x, y, z)) @ tip(posture))
 
-    answer = fresh.plan(request(LEFT, LineMove(up)))
+
+def test_a_line_through_a_singular_posture_is_refused_as_that(fresh: ArmMotion) -> None:
+    answer = fresh.plan(request(FORWARD, line(FORWARD, -0.9, 0.0, 0.0)))
 
     assert isinstance(answer, NoMotion)
     (refusal,) = answer.refusals
-    assert refusal.planner == "straight line"
-    assert refusal.cause in {"singularity", "reach"}
+    assert (refusal.planner, answer.values) == ("straight line", {"cause": "singularity"})
     assert "mm after its start" in answer.reason
+
+
+def test_a_line_that_a_joint_limit_ends_names_the_joint(fresh: ArmMotion) -> None:
+    answer = fresh.plan(request(FORWARD, line(FORWARD, 0.0, 0.0, -0.9)))
+
+    assert isinstance(answer, NoMotion)
+    assert answer.values == {"cause": "limits"}
+    assert "panda_joint2 comes to its limit" in answer.reason
+
+
+def test_a_line_beyond_the_reach_of_the_arm_says_so(fresh: ArmMotion) -> None:
+    answer = fresh.plan(request(FORWARD, line(FORWARD, 0.0, 0.0, 0.9)))
+
+    assert isinstance(answer, NoMotion)
+    assert answer.values == {"cause": "reach"}
+    assert "reaches no further" in answer.reason
+
+
+def test_joint_angles_beyond_a_limit_are_refused_with_the_joint_and_its_limits(fresh: ArmMotion) -> None:
+    ends = fresh.plan(request(LEFT, JointMove((*LEFT[:3], 0.5, *LEFT[4:]))))
+    starts = fresh.plan(request((*LEFT[:3], 0.5, *LEFT[4:]), JointMove(LEFT)))
+
+    for answer in (ends, starts):
+        assert isinstance(answer, NoMotion)
+        assert answer.values == {"cause": "limits"}
+        assert "panda_joint4 at 0.500 rad, outside its limits of -3.142 to 0.000 rad" in answer.reason
+
+
+def test_a_pose_inside_a_wall_is_refused_with_the_name_of_the_wall(fresh: ArmMotion) -> None:
+    inside = Pose((*WALL.pose.position[:2], 0.5), (1.0, 0.0, 0.0, 0.0))
+
+    answer = fresh.plan(request(LEFT, PoseMove(inside), obstacles=(WALL,)))
+
+    assert isinstance(answer, NoMotion)
+    assert answer.values == {"cause": "collision"}
+    assert "would touch wall" in answer.reason
 
 
 def test_why_nothing_is_possible_is_data_for_each_route(fresh: ArmMotion) -> None:

@@ -183,6 +183,7 @@ def test_a_goal_inside_an_obstacle_is_refused_and_names_the_obstacle() -> None:
 
     assert isinstance(answer, NoMotion)
     assert "touch bench" in answer.reason
+    assert answer.values == {"cause": "collision"}
 
 
 def test_several_obstacles_with_one_name_are_all_avoided() -> None:

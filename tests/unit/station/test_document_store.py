@@ -47,7 +47,7 @@ def test_an_unreadable_document_hides_no_others_and_can_be_replaced(store):
     with store._database.transaction() as connection:
         connection.execute("UPDATE documents SET data = '{' WHERE name = 'b'")
     assert [document.name for document in store.all("sequence")] == ["a"]
-    with pytest.raises(FileError, match="the sequence 'b' in it cannot be read"):
+    with pytest.raises(FileError, match="the sequence 'b' cannot be read"):
         store.get("sequence", "b")
     assert store.put("sequence", "b", 3, expects=version).data == 3
     assert [document.name for document in store.all("sequence")] == ["a", "b"]

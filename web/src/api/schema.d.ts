@@ -2184,7 +2184,7 @@ export interface components {
             };
         };
         /** @enum {string} */
-        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "plug-in" | "stale" | "disk" | "webhook";
+        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "record" | "plug-in" | "stale" | "disk" | "webhook";
         ApiKey: {
             id: string;
             name: string;

@@ -1,9 +1,7 @@
 import { Button, Group, Stack, Table, Text } from "@mantine/core";
 import { IconDownload, IconPrinter } from "@tabler/icons-react";
-import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
-import { keys } from "../api/keys";
 import { GoalText } from "../goal/GoalText";
 import { said } from "../i18n/sentences";
 import { download } from "../widgets/download";
@@ -18,6 +16,7 @@ import { asMarkdown } from "./report";
 import type { Skills } from "../api/cell";
 import { Section } from "./Section";
 import type { Run } from "./trace";
+import { useTransitions } from "./useRun";
 import { jobMood, span, STEP_MOODS, stepState, stepTitle } from "./words";
 import { ServerText } from "../goal/ServerText";
 
@@ -207,11 +206,7 @@ function Steps({ run, skills, nothing }: { run: Run; skills: Skills; nothing: st
 
 function Transitions({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
-  const { data } = useQuery({
-    queryKey: keys.jobs("transitions", job.id, job.version),
-    queryFn: () => answer(api.GET("/api/v1/jobs/{id}/transitions", { params: { path: { id: job.id } } })),
-    staleTime: Number.POSITIVE_INFINITY,
-  });
+  const { data } = useTransitions(job);
   return (
     <Table verticalSpacing={2}>
       <Table.Tbody>

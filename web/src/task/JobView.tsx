@@ -12,6 +12,7 @@ import { forget, useIsGone } from "./removedJobs";
 import { JobCommands } from "./JobCommands";
 import { JobReport } from "./JobReport";
 import { NewSequenceButton } from "./NewSequenceButton";
+import { Paused } from "./Paused";
 import { Problem } from "./Problem";
 import { Question } from "./Question";
 import { ReplayBar } from "./ReplayBar";
@@ -62,6 +63,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
       {job.order.description !== "" && <Text size="sm">{job.order.description}</Text>}
       <JobTimes job={job} />
       <Reasons job={job} />
+      <Paused job={job} />
       <Question job={job} />
       <Group gap={6}>
         <JobCommands job={job} gone={() => forget(job.id)} />

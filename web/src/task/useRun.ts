@@ -27,6 +27,15 @@ export function useTask(name: string) {
   });
 }
 
+/** The changes of a job's state, oldest first. */
+export function useTransitions({ id, version, state }: Schema<"Job">) {
+  return useQuery({
+    queryKey: keys.jobs("transitions", id, version, state.text), // a full disk pauses jobs without a new version
+    queryFn: () => answer(api.GET("/api/v1/jobs/{id}/transitions", { params: { path: { id } } })),
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+}
+
 /** The history of a job, in the time of its replay while that is shown; ended jobs are fetched once. */
 export function useJobRun({ id, number, ended }: Schema<"Job">) {
   const over = ended !== null;

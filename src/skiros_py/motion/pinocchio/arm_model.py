@@ -60,6 +60,15 @@ class ArmModel:
         steps.append(self.model.frames[self.tip].placement.translation)
         self.reach = float(sum(np.linalg.norm(step) for step in steps))
 
+    def beyond_limits(self, q: Array, slack: float) -> str:
+        """Returns which joint is farthest outside its limits; an empty text if none is by more than a slack [rad]."""
+        beyond = np.maximum(self.lower - q, q - self.upper)
+        worst = int(np.argmax(beyond))
+        if beyond[worst] <= slack:
+            return ""
+        limits = f"{self.lower[worst]:.3f} to {self.upper[worst]:.3f} rad"
+        return f"{self.spec.joints[worst]} at {q[worst]:.3f} rad, outside its limits of {limits}"
+
     def tip_pose(self, q: Array) -> pin.SE3:
         """Returns the pose of the tip at joint angles [rad]."""
         pin.framesForwardKinematics(self.model, self._data, q)

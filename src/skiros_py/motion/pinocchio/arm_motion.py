@@ -92,8 +92,8 @@ class ArmMotion:
             raise UnknownName("arm", request.device, self._arms)
         arm = self._arms[request.device]
         start = np.array(request.start)
-        if outside := _outside(arm, start):
-            return NoMotion(outside)
+        if beyond := arm.beyond_limits(start, _START_SLACK):
+            return NoMotion.because("limits", f"the arm starts with {beyond}")
         name = request.device
         solver, pairs, planner = self._solvers[name], self._self_pairs[name], self._planners[name]
         scene = CollisionScene(
@@ -115,14 +115,6 @@ class ArmMotion:
         covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
         planners = tuple(leg.planner for leg in found.legs)
         return MotionPlan(found.route, legs, covers, ends, planners, search.refusals)
-
-
-def _outside(arm: ArmModel, start: Array) -> str:
-    beyond = np.maximum(arm.lower - start, start - arm.upper)
-    worst = int(np.argmax(beyond))
-    if beyond[worst] <= _START_SLACK:
-        return ""
-    return f"the arm starts with {arm.spec.joints[worst]} at {start[worst]:.3f} rad, outside its limits"
 
 
 def _rates(arm: ArmModel, path: Array, most: float) -> Array:

@@ -22,6 +22,7 @@ _APPROACH = 0.1  # the same for the posture in which a line has to end
 _ARRIVAL = 60  # steps at most that the elbow takes at the end of a line to reach that posture
 _ARRIVED = 0.01  # [rad]
 _ITERATIONS = 12
+_NEAR_LIMIT = 0.05  # [rad] a joint that is nearer to its limit is what ends a line
 
 
 class Lines:
@@ -80,7 +81,10 @@ class Lines:
             target.homogeneous, previous, towards=near, strength=strength, iterations=_ITERATIONS
         )
         if posture is None:
-            return Fault("reach", "the arm cannot follow it (a joint limit or the end of its reach)")
+            left = np.minimum(previous - self._arm.lower, self._arm.upper - previous)
+            if left.min() < _NEAR_LIMIT:
+                return Fault("limits", f"{self._arm.spec.joints[int(left.argmin())]} comes to its limit")
+            return Fault("reach", "the arm reaches no further")
         if np.abs(posture - previous).max() > jump:
             return Fault("singularity", "the arm would have to flip over")
         fault = checker.fault(posture)

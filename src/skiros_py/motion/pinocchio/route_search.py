@@ -20,7 +20,7 @@ from skiros_py.motion.pinocchio.collision import CollisionScene, Fault
 from skiros_py.motion.pinocchio.free_moves import FREE_MARGIN, FreeMoves, Pieces
 from skiros_py.motion.pinocchio.lines import Lines
 from skiros_py.ports.kinematics import InverseKinematics
-from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Refusal, Route
+from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Refusal, Route, furthest
 
 _LINE = "straight line"
 _ROOMY = 0.02  # [m] a posture that comes nearer to something is taken only if it saves as much joint motion as ...
@@ -128,7 +128,7 @@ class RouteSearch:
 
     def reason(self, routes: tuple[Route, ...]) -> str:
         """Returns why the route that came furthest is not possible, for a person."""
-        order = max(self._refusals, key=lambda one: (one.move, one.cause == "not found"), default=None)
+        order = furthest(self._refusals)
         if order is None:
             return "there is no move to make"
         move = routes[order.route][order.move]
@@ -174,8 +174,8 @@ class RouteSearch:
         """Returns the postures that end a free move, the nearest first."""
         if isinstance(move, JointMove):
             postures = [np.array(move.positions)]
-            if np.any(postures[0] < self._arm.lower) or np.any(postures[0] > self._arm.upper):
-                return Fault("limits", "the joint angles are outside the limits")
+            if beyond := self._arm.beyond_limits(postures[0], 0.0):
+                return Fault("limits", f"it would end with {beyond}")
         else:
             target = self._in_base(move.pose)
             postures = self._postures(move.pose, target, chain.end)

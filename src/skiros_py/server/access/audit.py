@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.api.server import AuditRecord
+from skiros_py.api.server import AuditPage, AuditRecord
 from skiros_py.database import Database
 from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError, SkirosError
@@ -73,10 +73,14 @@ class AuditLog:
     Args:
         database: From :func:`~skiros_py.server.access.keys.open_access`, its own connection; closed at the end.
         besides: Writes other data from time to time; receives the database.
+
+    Attributes:
+        unreadable: The records that were left out because they cannot be read, by name.
     """
 
     def __init__(self, database: Database, besides: Callable[[Database], None] = lambda _database: None) -> None:
         self._database = database
+        self.unreadable = database.unreadable
         self._besides = besides
         self._entries: deque[Mapping[str, Any]] = deque(maxlen=_WAITING)
         self._refusals: dict[tuple[str, int], _Refusals] = {}
@@ -131,8 +135,8 @@ class AuditLog:
                 if one.last is not None:
                     self.append({**one.last, "count": one.unlisted})
 
-    def page(self, before: int | None = None, limit: int = 100) -> list[AuditRecord]:
-        """Returns entries, newest first.
+    def page(self, before: int | None = None, limit: int = 100) -> AuditPage:
+        """Returns the entries that can be read, newest first.
 
         Args:
             before: Return only entries with smaller numbers.
@@ -140,11 +144,10 @@ class AuditLog:
         """
         self._write()
         end = 2**63 - 1 if before is None else before
-        rows = self._database.rows(
-            "SELECT number, data FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?", (end, limit)
-        )
-        read = (json.loads(data) | {"number": number} for number, data in rows)
-        return [AuditRecord(at=entry.pop("wall"), **entry) for entry in read]
+        sql = "SELECT 'record ' || number || ' of the audit log', number, data FROM audit"
+        rows = self._database.rows(f"{sql} WHERE number < ? ORDER BY number DESC LIMIT ?", (end, limit))
+        items = tuple(self._database.readable(rows, _record))
+        return AuditPage(items=items, next=str(rows[-1][1]) if len(rows) == limit else None)
 
     def lines(self) -> Iterator[str]:
         """Returns all records as lines of JSON, oldest first."""
@@ -250,6 +253,11 @@ def broken_link(database: Database | DatabaseFile) -> str:
     if due <= last:
         return f"record {due} was removed"
     return "" if hash_before in (final, "") else f"record {last} was changed"
+
+
+def _record(number: int, data: str) -> AuditRecord:
+    entry = _decoded(data)
+    return AuditRecord.model_validate({**entry, "at": entry.pop("wall", None), "number": number})
 
 
 def _decoded(line: str) -> dict[str, Any]:

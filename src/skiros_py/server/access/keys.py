@@ -11,11 +11,11 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from skiros_py.api.server import ApiKey
 from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
+from skiros_py.messages import Message
 from skiros_py.server.access.roles import LOCAL, Role
 
 FILE = "access.db"
@@ -36,7 +36,7 @@ INSERT INTO audit_chain SELECT coalesce(max(seq), 0) + 1, coalesce(max(seq), 0),
 """
 """First and last number of the audit records that hold the hash of the one before, and the hash of the last one."""
 
-_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES, COUNTED, _CHAIN))
+_SCHEMA = Schema(Message("the keys of a server"), 0x736B6163, (_TABLES, COUNTED, _CHAIN))
 """Application id of such a file: "skac"."""
 
 
@@ -55,6 +55,7 @@ _LONGEST_NAME = 100
 _MOST = 10_000
 """Maximum number of keys, including revoked ones."""
 _COLUMNS = "id, name, role, digest, ending, created, expires, revoked, used"
+_SELECT = f"SELECT 'key ' || id, {_COLUMNS} FROM keys"  # noqa: S608 - our own names
 _TOKEN = re.compile(r"sk_([a-z0-9]{1,32})_[A-Za-z0-9_-]{43}")
 _TOKEN_LIKE = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
 
@@ -116,6 +117,7 @@ class KeyStore:
 
     Attributes:
         local_token: Gives full access to programs that can read the data directory; renewed at each start.
+        unreadable: The keys that were left out because they cannot be read, by name.
     """
 
     def __init__(self, data: Path) -> None:
@@ -126,8 +128,10 @@ class KeyStore:
         except BaseException:
             self._writes.close()
             raise
+        self.unreadable = self._reads.unreadable
         self._guard = threading.Lock()
         self._known: Mapping[str, Key] = {}
+        self._any = False
         self._seen = -1
         self._uses: dict[str, float] = {}
 
@@ -182,7 +186,7 @@ class KeyStore:
             WrongState: It is the last key that can create keys.
         """
         with self._writes.transaction(f"key {key_id}, revoked") as connection:
-            keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
+            keys = {key.id: key for key in self._writes.readable(connection.execute(_SELECT).fetchall(), _key)}
             if key_id not in keys:
                 raise UnknownName("key", key_id, list(keys))
             if open_to_others and keys[key_id].role is Role.ADMIN and not _another_admin(keys, key_id):
@@ -215,7 +219,8 @@ class KeyStore:
         Expired and revoked keys count: the server does not become open because its last key is gone. A user who can
         read the data directory can still get in, with the local token or by creating another key.
         """
-        return bool(self._now())
+        self._now()
+        return self._any
 
     def is_local(self, text: str) -> bool:
         """Returns whether the text is the local token of this start of the server."""
@@ -251,8 +256,9 @@ class KeyStore:
         ((version,),) = self._reads.rows("PRAGMA data_version")
         if version != self._seen:
             with self._guard:
-                rows = self._reads.rows(f"SELECT {_COLUMNS} FROM keys")  # noqa: S608 - our own names
-                self._known, self._seen = {key.id: key for key in _keys(rows)}, version
+                rows = self._reads.rows(_SELECT)
+                self._any = bool(rows)  # one that cannot be read does not open the server to all
+                self._known, self._seen = {key.id: key for key in self._reads.readable(rows, _key)}, version
         return self._known
 
 
@@ -274,11 +280,18 @@ def _check_name(name: str) -> None:
         )
 
 
-def _keys(rows: list[tuple[Any, ...]]) -> list[Key]:
-    return [
-        Key(id_, name, Role(role), ending, created, expires, revoked, used, bytes(digest))
-        for id_, name, role, digest, ending, created, expires, revoked, used in rows
-    ]
+def _key(
+    id_: str,
+    name: str,
+    role: str,
+    digest: bytes,
+    ending: str,
+    created: float,
+    expires: float | None,
+    revoked: float | None,
+    used: float | None,
+) -> Key:
+    return Key(id_, name, Role(role), ending, created, expires, revoked, used, bytes(digest))
 
 
 def _another_admin(keys: Mapping[str, Key], than: str) -> bool:

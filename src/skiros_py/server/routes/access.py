@@ -31,8 +31,7 @@ def list_audit(act: Admin, limit: Limit = 100, cursor: Cursor = None) -> AuditPa
     Keys and bodies are never recorded. After the first five refusals of a caller in a minute, further ones are counted
     in one record.
     """
-    entries = act.services.audit.page(int(cursor) if cursor is not None else None, limit)
-    return AuditPage(items=entries, next=str(entries[-1].number) if len(entries) == limit else None)
+    return act.services.audit.page(int(cursor) if cursor is not None else None, limit)
 
 
 @router.get(

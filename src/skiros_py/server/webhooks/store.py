@@ -12,12 +12,13 @@ from typing import Any
 
 from cloudevents.core.formats.json import JSONFormat
 from cloudevents.core.v1.event import CloudEvent
-from pydantic import Field, ValidationError
+from pydantic import Field
 from standardwebhooks import Webhook as Signer
 
 from skiros_py.api.webhooks import Delivery, DeliveryState, Webhook
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import Busy, FileError, UnknownName
+from skiros_py.errors import Busy, UnknownName
+from skiros_py.messages import Message
 from skiros_py.station.jobs.views import Announcement, state_name
 
 JOB_STATE = "io.skiros.job.state.v1"
@@ -82,7 +83,7 @@ CREATE INDEX heads ON deliveries (webhook, next_try, number) WHERE head = 1;
 CREATE INDEX by_state ON deliveries (state, webhook, number);
 """
 
-_SCHEMA = Schema("list of webhooks", "the webhooks of a server", 0x736B7768, (_TABLES, COUNTED))
+_SCHEMA = Schema(Message("the webhooks of a server"), 0x736B7768, (_TABLES, COUNTED))
 """Application id of such a file: "skwh"."""
 
 _MOST = 50
@@ -91,7 +92,7 @@ _KEPT = 1000
 _LETTERBOX = 100_000
 """Maximum number of waiting deliveries per webhook; beyond it the oldest become dead letters."""
 _COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error, since"
-_SELECT = f"SELECT {_COLUMNS} FROM deliveries"  # noqa: S608 - our own names
+_SELECT = f"SELECT 'message ' || number || ' to webhook ' || webhook, {_COLUMNS} FROM deliveries"  # noqa: S608 - our own names
 _HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
     (SELECT min(number) FROM deliveries WHERE webhook = :webhook AND job = :job AND state = 'pending')"""
 """Makes the oldest waiting message of a job the head of its queue, which is sent next."""
@@ -126,10 +127,14 @@ class WebhookStore:
 
     Raises:
         FileError: It cannot be opened or created, or is damaged.
+
+    Attributes:
+        unreadable: The records that were left out because they cannot be read, by name.
     """
 
     def __init__(self, path: Path, source: str) -> None:
         self._database = Database(path, _SCHEMA, durable=True)
+        self.unreadable = self._database.unreadable
         self._source = source
 
     def close(self) -> None:
@@ -141,15 +146,8 @@ class WebhookStore:
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
         """Returns all subscriptions that can be read, by id."""
-        rows = self._database.rows("SELECT id, data FROM subscriptions ORDER BY id")
-        return tuple(self._database.readable(rows, self._subscription))
-
-    def _subscription(self, webhook: str, data: str) -> Subscription:
-        try:
-            return Subscription.model_validate_json(data)
-        except ValidationError as error:
-            reason = f"webhook {webhook} cannot be read: {error.errors()[0]['msg']}"
-            raise FileError(self._database.path, reason) from error
+        rows = self._database.rows("SELECT 'webhook ' || id, data FROM subscriptions ORDER BY id")
+        return tuple(self._database.readable(rows, Subscription.model_validate_json))
 
     def subscription(self, webhook: str) -> Subscription:
         """Returns a subscription.
@@ -267,7 +265,7 @@ class WebhookStore:
             f"{_SELECT} WHERE webhook = ? AND head = 1 AND next_try <= ? ORDER BY next_try, number LIMIT ?",
             (webhook, now, most),
         )
-        return tuple(map(_post, rows))
+        return tuple(self._database.readable(rows, _post))
 
     def next_due(self, webhook: str, now: float) -> float | None:
         """Returns when the next message will be due [s since 1970]; None if none waits."""
@@ -340,7 +338,7 @@ class WebhookStore:
     def posts(
         self, webhook: str | None, state: str | None, before: tuple[int, str] | None, most: int
     ) -> tuple[Post, ...]:
-        """Returns deliveries, latest first.
+        """Returns the deliveries that can be read, latest first.
 
         Args:
             webhook: Id of the webhook; None for all.
@@ -359,7 +357,11 @@ class WebhookStore:
             f"{_SELECT} {where} ORDER BY number DESC, webhook DESC LIMIT ?",
             (*(value for _, values in given for value in values), most),
         )
-        return tuple(map(_post, rows))
+        found = tuple(self._database.readable(rows, _post))
+        if len(found) < len(rows) == most:  # further ones in the place of those that cannot be read
+            _, last, number, *_ = rows[-1]
+            found += self.posts(webhook, state, (number, last), most - len(found))
+        return found
 
     def counts(self) -> dict[tuple[str, str], int]:
         """Returns the number of deliveries by webhook and state."""
@@ -401,7 +403,7 @@ def _data(subscription: Subscription) -> str:
     return subscription.model_dump_json(exclude={"pending", "dead"})
 
 
-def _post(row: Sequence[Any]) -> Post:
+def _post(*row: Any) -> Post:
     post = dict(zip(_COLUMNS.split(", "), row, strict=True))
     waits = post["state"] == DeliveryState.PENDING and post["next_try"] > 0
     return Post(**{**post, "created": post["wall"], "next_try": post["next_try"] if waits else None})

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping, Sequence
 
 from skiros_py.api.alarms import AlarmKind, Severity
+from skiros_py.errors import FileError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.interruptions import Overrun, WatchedTask
 from skiros_py.messages import Message
@@ -19,7 +21,15 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _log = logging.getLogger(__name__)
 
-_OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB, AlarmKind.DISK)
+_OF_SESSION = (
+    AlarmKind.HALTED,
+    AlarmKind.CYCLE,
+    AlarmKind.MANAGER,
+    AlarmKind.QUESTION,
+    AlarmKind.JOB,
+    AlarmKind.RECORD,
+    AlarmKind.DISK,
+)
 """These end with the session; what is still so in the next one is raised again."""
 _SELDOM = 200
 """Cycles between two looks at what seldom changes."""
@@ -31,12 +41,16 @@ class AlarmSources:
     Args:
         alarms: The list.
         control: Runs the session.
+        records: The records that cannot be read of each file besides the session's, by name.
         session: The session.
     """
 
-    def __init__(self, alarms: Alarms, control: ControlThread, session: Session) -> None:
+    def __init__(
+        self, alarms: Alarms, control: ControlThread, records: Sequence[Mapping[str, FileError]], session: Session
+    ) -> None:
         self._alarms = alarms
         self._control = control
+        self._records = records
         self._session = session
         self._halted = self._disk = ""
         self._lost: set[str] = set()
@@ -131,14 +145,15 @@ class AlarmSources:
                 )
 
     def _look_at_records(self) -> None:
-        """Jobs that cannot be read are neither listed nor executed."""
-        for name, fault in dict(self._session.jobs.store.unreadable).items():
+        """Records that cannot be read are left out of all lists; jobs are not executed, either."""
+        files = (self._session.jobs.store.unreadable, *self._records)
+        for name, fault in [record for file in files for record in dict(file).items()]:
             text = Message(
                 "{file}: {reason}; it is left out: 'skiros data check' lists what is damaged; restore a backup",
                 file=fault.path.name,
                 reason=fault.reason,
             )
-            self._alarms.raise_(AlarmKind.JOB, text, name, severity=Severity.HIGH)
+            self._alarms.raise_(AlarmKind.RECORD, text, name, severity=Severity.HIGH)
 
     def _note_manager(self, agent: str, lost: str) -> None:
         if lost:

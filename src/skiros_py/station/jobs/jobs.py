@@ -313,11 +313,8 @@ class JobService(Service):
 
     def trace(self, id_: str, skip: int = 0, limit: int = 100) -> api.JobTrace:
         """Returns the trace of a job, in sentences and as data."""
-        entries = self._jobs.trace(id_, skip=skip, limit=limit + 1)
-        return api.JobTrace(
-            items=tuple(dict(entry) for entry in entries[:limit]),
-            next=str(skip + limit) if len(entries) > limit else None,
-        )
+        page = self._jobs.store.trace(self._jobs.job(id_).id, skip=skip, limit=limit)
+        return api.JobTrace(items=page.entries, next=None if page.next is None else str(page.next))
 
     def report(self, id_: str) -> api.JobReport:
         """Returns the outcome of each condition and of each step."""

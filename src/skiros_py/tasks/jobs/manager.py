@@ -147,20 +147,15 @@ class JobManager:
         Raises:
             UnknownName: There is no such job.
         """
-        return self.store.transitions(self.job(job).id)
+        return self.store.transitions(job) + self._runner.unstored(self.job(job))
 
-    def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[Mapping[str, Any], ...]:
+    def trace(self, job: str) -> tuple[Mapping[str, Any], ...]:
         """Returns a job's trace as plain data, in order; the last second of a running job may be missing.
-
-        Args:
-            job: Its id.
-            skip: How many entries to skip at the beginning.
-            limit: How many at most; None for all.
 
         Raises:
             UnknownName: There is no such job.
         """
-        return self.store.trace(self.job(job).id, skip=skip, limit=limit)
+        return self.store.trace(self.job(job).id).entries
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job, in the writing thread; returns how to unsubscribe."""

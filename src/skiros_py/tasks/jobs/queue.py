@@ -202,9 +202,24 @@ class JobBook:
         Raises:
             WrongState: The trigger is not allowed in its state.
         """
+        return self.move_at(None, job, trigger, comment, **changes)
+
+    def move_at(self, wall: float | None, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
+        """Changes a job's state and related fields.
+
+        Args:
+            wall: When that was, if it could not be stored then [s since 1970]; None for now.
+            job: The job.
+            trigger: What led to it.
+            comment: Why.
+            **changes: The fields.
+
+        Raises:
+            WrongState: The trigger is not allowed in its state.
+        """
         state = next_state(job.state, trigger)
         ended = {} if state.is_open else {"ended": self.clock(), "seen": None}
-        return self._keep(job.but(**{"state": state, **changes, **ended}), trigger, comment)
+        return self._keep(job.but(**{"state": state, **changes, **ended}), trigger, comment, wall)
 
     def change(self, job: Job) -> Job:
         """Stores a new version of a job with unchanged state."""
@@ -220,9 +235,9 @@ class JobBook:
         self.store.after_sync(partial(self._on_remove.notify, last))
         return last
 
-    def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
+    def _keep(self, job: Job, trigger: Trigger | None, comment: str, wall: float | None = None) -> Job:
         stamped = job.model_copy(update={"changed": self.clock()})
-        self.store.keep(stamped, trigger, comment)
+        self.store.keep(stamped, trigger, comment, wall)
         self.show(stamped)
         return stamped
 

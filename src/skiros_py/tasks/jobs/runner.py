@@ -16,7 +16,7 @@ from skiros_py.messages import Message, joined
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.context import Mode
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Trigger
+from skiros_py.tasks.jobs.job import Intent, Job, JobState, Outcome, Transition, Trigger
 from skiros_py.tasks.jobs.queue import Guard, JobBook, rank
 from skiros_py.tasks.jobs.run import BY_HAND, CUT_OFF, WAITS, JobRun, done_by_hand, hold_what_was_halted, moved
 from skiros_py.tasks.task_manager import TaskManager
@@ -70,6 +70,7 @@ class JobRunner:
         self.fault = ""
         self._next_try = 0.0
         self._held: set[str] = set()
+        self._held_since = 0.0
         self._paused: list[TaskHandle | RunningModule] = []
 
     # ------------------------------------------------------------------ asked in any thread, with the guard
@@ -115,6 +116,7 @@ class JobRunner:
         if not self.fault:
             _log.error("everything is paused until the disk can be written: %s", fault)
             self.fault = joined(": ", (fault.path.name, fault.reason))
+            self._held_since = self._book.clock()
             self._held |= {job for job in self._runs if self._book.open[job].state is JobState.RUNNING}
             for id_ in self._held:
                 self._book.announce(self.held(self._book.open[id_]))
@@ -140,7 +142,8 @@ class JobRunner:
         for id_ in tuple(self._held):
             job = self._book.open.get(id_)
             if job is not None and job.state is JobState.RUNNING:
-                job = self._book.move(job, Trigger.HOLD, self.fault, detail=self.held(job).detail)
+                held = self.held(job).detail
+                job = self._book.move_at(self._held_since, job, Trigger.HOLD, self.fault, detail=held)
             if job is not None and job.state is JobState.INTERRUPTED and not job.choices:
                 self._book.move(job, Trigger.RESUME, Message("the disk can be written again"), detail="goes on")
             self._held.remove(id_)
@@ -155,6 +158,14 @@ class JobRunner:
             return job
         detail = Message("held: {fault}; it goes on by itself", fault=self.fault)
         return job.model_copy(update={"state": JobState.INTERRUPTED, "detail": detail})
+
+    def unstored(self, job: Job) -> tuple[Transition, ...]:
+        """Returns the changes of a job's state that cannot be stored yet."""
+        held = self.held(job)
+        if held is job:
+            return ()
+        hold = Trigger.HOLD.value
+        return (Transition(wall=self._held_since, trigger=hold, state=held.state, comment=self.fault),)
 
     def _attend(self) -> None:
         while self._requests:

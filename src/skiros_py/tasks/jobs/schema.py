@@ -1,6 +1,7 @@
 """The tables of the file of jobs, and how older files are migrated."""
 
 from skiros_py.database import COUNTED, Schema
+from skiros_py.messages import Message
 
 _FIRST = """
 CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
@@ -47,5 +48,5 @@ CREATE INDEX jobs_by_change ON jobs (changed, number, state);
 """
 """Removed jobs; pages of changed jobs without reading all jobs."""
 
-SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD, _FOURTH, COUNTED))
+SCHEMA = Schema(Message("a list of jobs"), 0x736B6A6F, (_FIRST, _SECOND, _THIRD, _FOURTH, COUNTED))
 """Such a file is marked "skjo"."""

@@ -11,9 +11,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from skiros_py.database import Database
 from skiros_py.database_file import DatabaseFile
@@ -78,16 +78,27 @@ class Receipt:
 
 _log = logging.getLogger(__name__)
 
-T = TypeVar("T")
-
 _LAST = 2**63 - 1
 """The largest number the file can hold."""
 
 _ROOM = 4 << 20
 """Maximum size of a page [characters]; further jobs go to the next page."""
 
+
+class _Entry(BaseModel, extra="allow"):
+    """What each entry of a trace has, besides others."""
+
+    time: float
+    what: str
+    text: str
+    data: dict[str, Any]
+
+
 _JOB = Job.model_validate_json
-_TRACE = TypeAdapter(dict[str, Any])
+
+
+def _entry(text: str) -> dict[str, Any]:
+    return _Entry.model_validate_json(text).model_dump()
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +111,19 @@ class Page:
     """
 
     jobs: tuple[Job, ...]
+    next: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class TracePage:
+    """Some entries of a job's trace.
+
+    Attributes:
+        entries: Those that can be read, in order, as plain data.
+        next: How many entries to skip for the next page; None if this is the last one.
+    """
+
+    entries: tuple[dict[str, Any], ...]
     next: int | None
 
 
@@ -117,7 +141,6 @@ class JobStore:
 
     def __init__(self, path: Path) -> None:
         self._database = Database(path, SCHEMA, lookups=True)
-        self._path = path
         self._waiting = ThreadPoolExecutor(1, "skiros-jobs-disk")
         self._calling = ThreadPoolExecutor(1, "skiros-jobs")
         self._caller: threading.Thread | None = None
@@ -186,12 +209,12 @@ class JobStore:
     def open(self) -> tuple[Job, ...]:
         """Returns the jobs that are not over and can be read, in the order in which they were ordered."""
         sql = "SELECT 'job ' || id, data FROM jobs WHERE state < ? ORDER BY number"
-        return self._readable(self._database.rows(sql, (JobState.ENDED.value,)), _JOB)
+        return tuple(self._database.readable(self._database.rows(sql, (JobState.ENDED.value,)), _JOB))
 
     def job(self, job: str) -> Job | None:
         """Returns a job; None if there is none with that id."""
         rows = self._database.rows("SELECT data FROM jobs WHERE id = ?", (job,))
-        return self._read(f"job {job}", rows[0][0], _JOB) if rows else None
+        return self._database.read(f"job {job}", _JOB, *rows[0]) if rows else None
 
     def ids(self) -> tuple[str, ...]:
         """Returns the ids of all jobs, in the order in which they were ordered."""
@@ -200,7 +223,7 @@ class JobStore:
     def removed(self, job: str) -> Job | None:
         """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
-        return self._read(f"job {job}", rows[0][0], _JOB) if rows else None
+        return self._database.read(f"job {job}", _JOB, *rows[0]) if rows else None
 
     def page(
         self,
@@ -235,8 +258,8 @@ class JobStore:
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
         is_last = len(rows) <= limit and sum(len(data) for data, _, _ in rows) < _ROOM
         shown = rows[:limit]
-        jobs = self._readable(((f"job {id_}", data) for data, id_, _ in shown), _JOB)
-        return Page(jobs, None if is_last else shown[-1][2])
+        jobs = self._database.readable(((f"job {id_}", data) for data, id_, _ in shown), _JOB)
+        return Page(tuple(jobs), None if is_last else shown[-1][2])
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
         """Adds a new job and assigns it a new number.
@@ -261,16 +284,17 @@ class JobStore:
                 _keep_receipt(connection, receipt, job.id, job.changed)
         return numbered
 
-    def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
+    def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "", wall: float | None = None) -> None:
         """Stores a job.
 
         Args:
             job: The job as it is now.
             trigger: What led to its state, where that changed.
             comment: Why.
+            wall: When that was, if it could not be stored then [s since 1970]; None for the job's last change.
         """
         with self._database.transaction(f"job {job.id}: {trigger.value if trigger else job.state.name}") as connection:
-            _write(connection, job, trigger, comment)
+            _write(connection, job, trigger, comment, wall)
 
     def forget(self, job: Job, why: str) -> None:
         """Removes a job with its records, except announcements, receipts and the record of its removal.
@@ -312,7 +336,7 @@ class JobStore:
             raise KeyReused(
                 "the key '{key}' was used for another order: take a new key for each new order", key=receipt.key
             )
-        return self._read(f"job {job}", data, _JOB)
+        return self._database.read(f"job {job}", _JOB, data)
 
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
         """Records that a request led to an existing job."""
@@ -329,8 +353,8 @@ class JobStore:
         sql = "SELECT 'announcement ' || number, data, number, wall, trigger FROM announcements WHERE number > ?"
         rows = self._database.looked_up(f"{sql} ORDER BY number LIMIT ?", (after, most))
 
-        def read(name: str, data: str, number: int, wall: float, trigger: str) -> Announcement:
-            return Announcement(number, wall, self._read(name, data, _JOB), trigger)
+        def read(data: str, number: int, wall: float, trigger: str) -> Announcement:
+            return Announcement(number, wall, _JOB(data), trigger)
 
         return tuple(self._database.readable(rows, read))
 
@@ -373,29 +397,33 @@ class JobStore:
     def intents(self, job: str) -> tuple[Intent, ...]:
         """Returns the steps that were started for a job and can be read, in order."""
         sql = "SELECT 'step ' || number || ' of job ' || job, data FROM intents WHERE job = ? ORDER BY number"
-        return self._readable(self._database.rows(sql, (job,)), Intent.model_validate_json)
+        return tuple(self._database.readable(self._database.rows(sql, (job,)), Intent.model_validate_json))
 
     def transitions(self, job: str) -> tuple[Transition, ...]:
         """Returns the state changes of a job that can be read, in order."""
         sql = "SELECT 'a state change of job ' || job, data FROM transitions WHERE job = ? ORDER BY rowid"
-        return self._readable(self._database.looked_up(sql, (job,)), Transition.model_validate_json)
+        return tuple(self._database.readable(self._database.looked_up(sql, (job,)), Transition.model_validate_json))
 
     def add_trace(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
         """Adds to a job's trace."""
         with self._database.transaction(f"job {job}: trace") as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
 
-    def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[dict[str, Any], ...]:
-        """Returns a job's trace as plain data, in order.
+    def trace(self, job: str, *, skip: int = 0, limit: int = _LAST - 1) -> TracePage:
+        """Returns entries of a job's trace.
 
         Args:
             job: Its id.
             skip: How many entries to skip at the beginning.
-            limit: How many at most; None for all.
+            limit: How many at most.
         """
         sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
-        rows = self._database.looked_up(sql, (job, -1 if limit is None else limit, min(skip, _LAST)))
-        return tuple(self._read(f"the trace of job {job}", data, _TRACE.validate_json) for (data,) in rows)
+        rows = self._database.looked_up(sql, (job, limit + 1, min(skip, _LAST)))
+        named = (
+            (f"entry {number} of the trace of job {job}", *row) for number, row in enumerate(rows[:limit], skip + 1)
+        )
+        entries = tuple(self._database.readable(named, _entry))
+        return TracePage(entries, skip + limit if len(rows) > limit else None)
 
     def together(self) -> AbstractContextManager[object]:
         """Commits everything that this thread writes in a ``with`` at its end, or nothing of it if it fails."""
@@ -407,27 +435,16 @@ class JobStore:
         self._calling.shutdown()
         self._database.close()
 
-    def _readable(self, rows: Iterable[tuple[str, str]], reader: Callable[[str], T]) -> tuple[T, ...]:
-        return tuple(self._database.readable(rows, lambda name, text: self._read(name, text, reader)))
 
-    def _read(self, name: str, text: str, reader: Callable[[str], T]) -> T:
-        try:
-            return reader(text)
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = ".".join(str(part) for part in first["loc"])
-            why = ": ".join(filter(None, (where, first["msg"])))
-            raise FileError(self._path, f"{name} cannot be read: {why}") from error
-
-
-_MODELS: Mapping[str, tuple[str, type[BaseModel]]] = {
-    "jobs": ("id", Job),
-    "announcements": ("number", Job),
-    "removed": ("id", Job),
-    "transitions": ("job", Transition),
-    "intents": ("job", Intent),
+_TABLES: Mapping[str, tuple[str, Callable[[str], object]]] = {
+    "jobs": ("id", _JOB),
+    "announcements": ("number", _JOB),
+    "removed": ("id", _JOB),
+    "transitions": ("job", Transition.model_validate_json),
+    "intents": ("job", Intent.model_validate_json),
+    "trace": ("job", _entry),
 }
-"""The tables of records, each with the column that names them."""
+"""The tables of records, each with the column that names them, and what reads them."""
 
 
 def unreadable_jobs(file: DatabaseFile) -> Iterator[str]:
@@ -437,17 +454,19 @@ def unreadable_jobs(file: DatabaseFile) -> Iterator[str]:
         FileError: The file cannot be read.
     """
     there = {name for (name,) in file.rows("SELECT name FROM sqlite_schema WHERE type = 'table'")}
-    for table, (name, model) in _MODELS.items():
+    for table, (name, read) in _TABLES.items():
         if table not in there:  # of an earlier version
             continue
         for row, data in file.rows(f"SELECT {name}, data FROM {table}"):  # noqa: S608 - our own names
             try:
-                model.model_validate_json(data)
+                read(data)
             except ValidationError as error:
                 yield f"{name} {row} of the table {table} cannot be understood: {error.errors()[0]['msg']}"
 
 
-def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:
+def _write(
+    connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str, wall: float | None = None
+) -> None:
     data = job.model_dump_json()
     connection.execute(
         "INSERT INTO jobs (id, number, data, state, changed) VALUES (?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE"
@@ -455,7 +474,8 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
         (job.id, job.number, data, job.state.value, job.changed),
     )
     if trigger is not None:
-        entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
+        at = job.changed if wall is None else wall
+        entry = Transition(wall=at, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
         _announce(connection, job, data, trigger.value)
 

@@ -13,7 +13,7 @@ from skiros_py.database import COUNTED, Database, Schema
 from skiros_py.database_file import DatabaseFile
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
-from skiros_py.messages import message_data, read_message
+from skiros_py.messages import Message, message_data, read_message
 from skiros_py.world.change import (
     Change,
     Edit,
@@ -72,7 +72,7 @@ INSERT OR IGNORE INTO marks SELECT '', number FROM edits WHERE json_extract(edit
 DROP VIEW edits;
 """
 
-SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS, COUNTED))
+SCHEMA = Schema(Message("the journal of a world"), 0x736B696A, (_CHANGES, _MARKS, COUNTED))
 """The schema; its files have the application id "skij"."""
 
 

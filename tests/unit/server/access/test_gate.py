@@ -200,7 +200,7 @@ def test_a_key_in_a_url_is_refused_and_never_logged(door: _Doors, place: str, ca
     with caplog.at_level(logging.DEBUG):
         answer = at.client.get(place.format(key))
 
-    told = answer.text + json.dumps([str(entry) for entry in at.guarded.audit.page()])
+    told = answer.text + json.dumps([str(entry) for entry in at.guarded.audit.page().items])
     assert (answer.status_code, answer.json()["code"]) == (400, "KeyInAddress")
     assert key[12:] not in told
     assert not [record for record in caplog.records if key[12:] in record.getMessage() and "skiros" in record.name]
@@ -337,7 +337,7 @@ def test_changes_and_refusals_are_logged_with_their_caller(door: _Doors) -> None
     at.client.post("/things", json={"name": "a"}, headers=viewer)
     at.client.get("/caller", headers={"X-API-Key": "wrong"})
 
-    refused, forbidden, done = at.guarded.audit.page()
+    refused, forbidden, done = at.guarded.audit.page().items
 
     assert (done.caller, done.operation, done.status, done.job, done.comment) == (
         "the operator", "things", 200, "kit-1", "because",
@@ -352,7 +352,7 @@ def _refusals(at: _Door, addresses: Iterable[str]) -> int:
     for address in addresses:
         client = TestClient(at.client.app, base_url="http://127.0.0.1:8000", client=(address, 1))
         client.get("/caller", headers={"X-API-Key": "wrong"})
-    return len(at.guarded.audit.page(limit=1000))
+    return len(at.guarded.audit.page(limit=1000).items)
 
 
 def test_a_stop_begins_before_other_requests_that_came_in_the_same_moment(door: _Doors) -> None:
@@ -382,12 +382,12 @@ def test_refused_requests_of_a_key_are_counted(door: _Doors, monkeypatch: pytest
     viewer = at.key(Role.VIEWER)
     for number in range(80):
         assert at.client.post("/things", json={"name": str(number)}, headers=viewer).status_code == 403
-    assert [entry.count for entry in at.guarded.audit.page()] == [1] * 5
+    assert [entry.count for entry in at.guarded.audit.page().items] == [1] * 5
 
     monkeypatch.setattr(audit_module, "_MINUTE", 0.0)
     at.guarded.audit._count_refusals()
 
-    counted, *listed = at.guarded.audit.page()
+    counted, *listed = at.guarded.audit.page().items
     assert (counted.caller, counted.status, counted.count) == ("the viewer", 403, 75)
     assert len(listed) == 5
 
@@ -401,7 +401,7 @@ def test_requests_from_many_networks_cannot_fill_the_audit_log(door: _Doors, mon
     assert _refusals(at, [f"192.0.{number // 200}.{number % 200}" for number in range(400)]) == 300
     monkeypatch.setattr(audit_module, "_MINUTE", 0.0)
     at.guarded.audit._count_refusals()
-    newest = at.guarded.audit.page(limit=1)[0]
+    newest = at.guarded.audit.page(limit=1).items[0]
     assert (newest.address, newest.status, newest.count) == ("", 401, 100)
 
 

@@ -41,6 +41,26 @@ def test_only_the_owner_can_read_the_key_file(keys: KeyStore, tmp_path: Path) ->
     assert (tmp_path / FILE).stat().st_mode & 0o077 == 0
 
 
+@pytest.mark.parametrize("damage", ["role = 'admjn'", "digest = 'text'", "name = CAST(x'ff' AS TEXT), role = ''"])
+def test_a_damaged_key_is_named_and_invalid_and_hides_no_other(keys: KeyStore, damage: str) -> None:
+    (bad, bad_text), (good, good_text) = keys.create("anna", Role.ADMIN), keys.create("bert", Role.ADMIN)
+    with keys._writes.transaction() as connection:
+        connection.execute(f"UPDATE keys SET {damage} WHERE id = ?", (bad.id,))
+
+    assert keys.check(bad_text) is None
+    assert (keys.check(good_text), keys.all()) == (good, (good,))
+    assert list(keys.unreadable) == [f"key {bad.id}"]
+
+
+def test_a_server_whose_only_key_is_damaged_still_needs_one(keys: KeyStore) -> None:
+    keys.create("anna", Role.ADMIN)
+    with keys._writes.transaction() as connection:
+        connection.execute("UPDATE keys SET role = '?'")
+
+    assert keys.needed
+    assert keys.all() == ()
+
+
 @pytest.mark.parametrize(
     "change", [lambda t: t[:-1], lambda t: t + "a", lambda t: t.upper(), lambda t: "", lambda t: "\ud800"]
 )

@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,6 +23,11 @@ def store(tmp_path: Path):
 def add(store: JobStore, id_: str, state: JobState, changed: float = 0.0) -> Job:
     order = JobOrder(id=id_, goal=("InKit(Starter, kit_1)",))
     return store.add(Job(order=order, number=0, state=state, changed=changed), Trigger.START)
+
+
+def entries(*steps: int) -> list[dict[str, Any]]:
+    """Returns entries of a trace, one for each step."""
+    return [{"time": 0.0, "what": "started", "text": "a step", "data": {}, "step": step} for step in steps]
 
 
 def test_pages_follow_each_other_without_gap_or_repeat(store):
@@ -120,11 +126,28 @@ def test_pages_can_be_read_during_a_write(store):
 
 
 def test_a_trace_is_read_piece_by_piece(store):
-    store.add_trace("a", [{"n": number} for number in range(7)])
-    assert [entry["n"] for entry in store.trace("a", skip=2, limit=3)] == [2, 3, 4]
-    assert [entry["n"] for entry in store.trace("a", skip=5, limit=3)] == [5, 6]
-    assert len(store.trace("a")) == 7
-    assert store.trace("a", skip=10**30) == ()
+    store.add_trace("a", entries(*range(7)))
+    page, rest = store.trace("a", skip=2, limit=3), store.trace("a", skip=5, limit=3)
+    assert [entry["step"] for entry in (*page.entries, *rest.entries)] == [2, 3, 4, 5, 6]
+    assert (page.next, rest.next) == (5, None)
+    assert len(store.trace("a").entries) == 7
+    assert store.trace("a", skip=10**30).entries == ()
+
+
+@pytest.mark.parametrize(
+    "damage", ["'{'", "'[]'", "'{}'", "replace(data, 'what', 'whut')", "CAST(x'7bff7d' AS TEXT)", "x'00'"]
+)
+def test_a_damaged_entry_of_a_trace_is_named_left_out_and_hides_no_other(store, damage):
+    store.add_trace("a", entries(*range(1, 8)))
+    with store._database.transaction() as connection:
+        connection.execute(f"UPDATE trace SET data = {damage} WHERE rowid IN (3, 6)")
+    seen, skip = [], 0
+    while skip is not None:
+        page = store.trace("a", skip=skip, limit=2)
+        seen += [entry["step"] for entry in page.entries]
+        skip = page.next
+    assert seen == [1, 2, 4, 5, 7]
+    assert list(store.unreadable) == ["entry 3 of the trace of job a", "entry 6 of the trace of job a"]
 
 
 @pytest.mark.parametrize("after", [2**63, 10**30])

@@ -25,6 +25,11 @@ def job(id_="a", number=1, **changes):
     )
 
 
+def entries(*steps):
+    """Returns entries of a trace, one for each step."""
+    return [{"time": 0.0, "what": "started", "text": "a step", "data": {}, "step": step} for step in steps]
+
+
 def test_stored_jobs_are_there_after_reopening(tmp_path, store):
     kept = job(reasons=("no starter",), plan=("drive(…)",))
     store.keep(kept, Trigger.DISPATCH, "its turn")
@@ -73,21 +78,21 @@ def test_settling_an_unknown_intent_is_refused(store):
 def test_forgetting_a_job_forgets_all_of_it(store):
     store.keep(job(), Trigger.DISPATCH)
     store.intend("a", "pick", {})
-    store.add_trace("a", [{"text": "begun"}])
+    store.add_trace("a", entries(1))
     store.forget(job(), "cleared")
-    assert (store.open(), store.transitions("a"), store.intents("a"), store.trace("a")) == ((), (), (), ())
+    assert (store.open(), store.transitions("a"), store.intents("a"), store.trace("a").entries) == ((), (), (), ())
 
 
 def test_a_trace_is_kept_in_its_order(store):
-    store.add_trace("a", [{"n": 1}, {"n": 2}])
-    store.add_trace("b", [{"n": 9}])
-    store.add_trace("a", [{"n": 3}])
-    assert [entry["n"] for entry in store.trace("a")] == [1, 2, 3]
+    store.add_trace("a", entries(1, 2))
+    store.add_trace("b", entries(9))
+    store.add_trace("a", entries(3))
+    assert [entry["step"] for entry in store.trace("a").entries] == [1, 2, 3]
 
 
 def test_a_file_of_another_program_is_refused(tmp_path):
     (tmp_path / "jobs.db").write_bytes(b"x" * 4096)
-    with pytest.raises(FileError, match="damaged, or no list of jobs"):
+    with pytest.raises(FileError, match="damaged, or not a list of jobs"):
         JobStore(tmp_path / "jobs.db")
 
 

@@ -83,12 +83,12 @@ def test_the_complete_trace_is_written_before_the_end_of_a_job_is_announced(benc
         run = JobRun(task, bench.runtime, book)
         bench.until(lambda: task.done)
         written: list[int] = []
-        book.subscribe(lambda each: written.append(len(store.trace(each.id))))
+        book.subscribe(lambda each: written.append(len(store.trace(each.id).entries)))
 
         assert run.follow(job)
         store.flush()
 
-        assert written == [len(store.trace("a"))]
+        assert written == [len(store.trace("a").entries)]
         assert written[0] > 0
 
 

@@ -165,10 +165,14 @@ def test_no_step_starts_while_its_intent_cannot_be_synced_and_the_job_goes_on_by
         assert job.state is JobState.INTERRUPTED
         assert os.strerror(error) in job.detail
         assert not [event for event in paced.bench.events if event.kind == "skill"]
+        unstored = paced.jobs.transitions("a")[-1]
+        assert (unstored.trigger, unstored.comment) == ("hold", paced.jobs.fault)
     paced.step_until(lambda: paced.jobs.idle)
 
     assert paced.jobs.job("a").outcome is Outcome.SUCCEEDED
-    assert [one.trigger for one in paced.jobs.transitions("a") if one.trigger in HELD] == ["hold", "resume"]
+    hold, resume = (one for one in paced.jobs.transitions("a") if one.trigger in HELD)
+    assert (hold, resume.trigger) == (unstored, "resume")
+    assert resume.wall > hold.wall
 
 
 @pytest.mark.parametrize("disk", [no_room, broken])

@@ -440,7 +440,7 @@ def test_a_file_that_is_not_a_journal_is_refused(content: bytes, open_tiny: Open
     folder.mkdir()
     (folder / "journal.db").write_bytes(content)
 
-    assert "the file is damaged, or no journal" in damaged(open_tiny, folder)
+    assert "the file is damaged, or not the journal of a world" in damaged(open_tiny, folder)
 
 
 def test_the_database_of_another_program_is_refused_and_left_alone(open_tiny: Open, folder: Path) -> None:

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterable, Iterator
 
 from skiros_py.skills.behaviour import walk
-from skiros_py.skills.lint.rule import Known, Problem, Source, rule
+from skiros_py.skills.lint.rule import Known, Problem, Severity, Source, rule
 from skiros_py.skills.primitive import Primitive, generator_problem
 from skiros_py.skills.skill import Skill
 
@@ -81,6 +81,19 @@ _INSTEAD = {
     "input": "ask by self.context.questions",
 }
 _WORKER = "let a worker do it and wait for its answer by self.wait(pending)"
+
+
+@rule("placeholder", "Code as `skiros new` wrote it, which does nothing yet.", Source, severity=Severity.WARNING)
+def placeholder(source: Source, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    """Yields primitives and skills that still do what the scaffold wrote: wait, and assert their effects."""
+    for node in ast.walk(source.tree):
+        if isinstance(node, ast.ClassDef):
+            lines = [c.lineno for c in ast.walk(node) if isinstance(c, ast.Constant) and c.value == _PLACEHOLDER]
+            if lines:
+                yield f"{node.name} does nothing yet but assert its effects: let it command and ask a device", lines[0]
+
+
+_PLACEHOLDER = "assumed: no device was asked yet"
 
 _PACKAGE = "skiros_py"
 _OPEN = frozenset(
