@@ -37,6 +37,9 @@ Breakpoints = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=_MOST_BREAKPOINTS)
 ]
 _BREAKPOINTS = "Paths of nodes of its implementation before which it is paused."
+RunCommand = Literal["pause", "resume", "step", "stop"]
+"""Commands to a run of a module or a task."""
+
 ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded", "failed"]
 
 

@@ -9,16 +9,15 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
 from types import FunctionType
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
 import httpx2
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from skiros_py.api.server import is_loopback
-from skiros_py.api.wire import ProblemDetails
+from skiros_py.api.wire import ProblemDetails, adapter_of
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 
 T = TypeVar("T")
@@ -67,12 +66,6 @@ _READERS: dict[Any, Callable[[httpx2.Response], Any]] = {
     str: lambda response: response.text,
     bytes: lambda response: response.content,
 }
-
-
-@lru_cache(maxsize=256)
-def adapter_of(kind: Any) -> TypeAdapter[Any]:
-    """Returns what validates and writes data of a type."""
-    return TypeAdapter(kind)
 
 
 _PART = re.compile(r"[^/\x00-\x1f\ud800-\udfff]{1,300}")

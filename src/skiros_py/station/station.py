@@ -20,8 +20,7 @@ from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.events.sources import EventSources
 from skiros_py.station.jobs.goals import GoalService
-from skiros_py.station.jobs.jobs import JobService
-from skiros_py.station.jobs.waiting import JobWaiter
+from skiros_py.station.jobs.jobs import JobService, JobWaiter
 from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.recordings.runs import JobRecordings
@@ -38,7 +37,7 @@ from skiros_py.station.stops import HaltMark, Stops
 from skiros_py.station.tasks.previews import PreviewService
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
-from skiros_py.station.world.service import OntologyService, Queries
+from skiros_py.station.world.ontology import OntologyService, Queries
 from skiros_py.station.world.world import WorldService
 from skiros_py.world.journal.data_directory import make_folder
 

@@ -8011,11 +8011,11 @@ export interface operations {
     stream_events: {
         parameters: {
             query?: {
+                after?: string | null;
                 kind?: components["schemas"]["Kind"][] | null;
                 type?: string[] | null;
                 job?: string;
                 element?: string;
-                after?: string | null;
             };
             header?: {
                 "Last-Event-ID"?: string | null;
@@ -8046,12 +8046,12 @@ export interface operations {
     list_events: {
         parameters: {
             query?: {
+                after?: string | null;
+                limit?: number;
                 kind?: components["schemas"]["Kind"][] | null;
                 type?: string[] | null;
                 job?: string;
                 element?: string;
-                after?: string | null;
-                limit?: number;
             };
             header?: never;
             path?: never;
