@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Self
@@ -59,14 +58,31 @@ class Services:
         """Opens the session and runs it.
 
         Raises:
+            UsageError: Other machines can reach the server, and there is no key.
             SkirosError: It cannot be opened.
         """
-        station = self.station
+        station, data = self.station, self.station.data
         with ExitStack() as stack:
             station.make_folder()
-            self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, stack)
+            self.keys = stack.enter_context(closing(KeyStore(data)))
+            check_access(self.settings, self.keys)
+            # A separate connection: a request that looks up its key never waits for writes.
+            self.audit = AuditLog(open_access(data), besides=self.keys.save_last_used)
+            stack.callback(self.audit.close)
+            self.audit.start()
+            self.authenticator = Authenticator(self.settings, self.keys)
             stack.enter_context(station)
-            self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, stack)
+            origin = f"urn:skiros:{socket.gethostname()}:{data.name}"
+            self.webhooks = stack.enter_context(closing(WebhookStore(data / "webhooks.db", origin)))
+            sender = WebhookSender(
+                self.webhooks,
+                lambda: station.session,
+                announced_job,
+                self.settings.webhook_hosts,
+                on_dead=self._on_dead,
+            )
+            self._sender = stack.enter_context(closing(sender))
+            self._sender.start()
             self._close = stack.pop_all().close
         return self
 
@@ -75,53 +91,16 @@ class Services:
         if self._sender is not None:
             self._sender.wake()
 
-    def __exit__(self, *_: object) -> None:
-        """Stops everything and closes all services."""
-        self._close()
-
-
-def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
-    """Opens the keys and the audit log of a data directory.
-
-    Args:
-        settings: Settings of the server.
-        data: The data directory.
-        stack: Closes them at the end.
-
-    Raises:
-        UsageError: Other machines can reach the server, and there is no key.
-        FileError: The file cannot be opened or created, or is damaged.
-    """
-    keys = stack.enter_context(closing(KeyStore(data)))
-    check_access(settings, keys)
-    # A separate connection: a request that looks up its key never waits for writes.
-    audit = AuditLog(open_access(data), besides=keys.save_last_used)
-    stack.callback(audit.close)
-    audit.start()
-    return keys, Authenticator(settings, keys), audit
-
-
-def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
-    """Opens the file of webhooks and starts to send.
-
-    Args:
-        station: The station whose jobs are announced.
-        hosts: Hosts to which webhooks may be sent.
-        stack: Closes them.
-    """
-    origin = f"urn:skiros:{socket.gethostname()}:{station.data.name}"
-    store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
-
-    def on_dead(post: Post, why: str) -> None:
+    def _on_dead(self, post: Post, why: str) -> None:
         text = Message(
             "{webhook} did not get {message} ({why}): see the dead letters of the webhooks",
             webhook=post.webhook,
             message=post.job or "ping",
             why=why,
         )
-        station.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
+        alarms = self.station.alarms
+        alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
-    sender = WebhookSender(store, lambda: station.session, announced_job, hosts, on_dead=on_dead)
-    stack.enter_context(closing(sender))
-    sender.start()
-    return store, sender
+    def __exit__(self, *_: object) -> None:
+        """Stops everything and closes all services."""
+        self._close()
