@@ -48,18 +48,6 @@ class Call(Generic[T]):
     repeatable: bool = True
     content: bytes | None = None
 
-    def result(self, response: httpx2.Response) -> T:
-        """Parses a successful response.
-
-        Raises:
-            ValueError: The response does not have the expected shape.
-        """
-        read = _READERS.get(self.read, self.read)
-        if not isinstance(read, FunctionType):
-            return adapter_of(read).validate_json(response.content)  # type: ignore[no-any-return]
-        result: T = read(response)
-        return result
-
 
 _READERS: dict[Any, Callable[[httpx2.Response], Any]] = {
     None: lambda _response: None,
@@ -299,8 +287,12 @@ def result_of(call: Call[T], response: httpx2.Response) -> T:
     """
     if not response.is_success:
         raise problem_of(response)
+    read = _READERS.get(call.read, call.read)
     try:
-        return call.result(response)
+        result: T = (
+            read(response) if isinstance(read, FunctionType) else adapter_of(read).validate_json(response.content)
+        )
+        return result
     except ValueError as error:
         raise SkirosError(
             f"this client cannot parse the response of {response.url}; server and client may be of different"

@@ -154,8 +154,8 @@ def plan_of(job: Job, trace: Trace) -> api.JobPlan:
 def report_of(job: Job, trace: Trace, now: float) -> api.JobReport:
     """Returns the result of a job in the form of the report of a run of one goal."""
     ended = job.ended or now
-    return api.JobReport(
-        id=job.id,
+    return api.JobReport.view_of(
+        job,
         outcome=None if job.outcome is None else job.outcome.value,
         reached=bool(job.actuals) and all(condition.reached for condition in job.actuals),
         conditions=job.actuals,
@@ -171,14 +171,8 @@ def explanation_of(job: Job, trace: Trace) -> api.JobExplanation:
     planned = _last(trace, TraceEventKind.PLANNED)
     missing = tuple(condition for condition in job.actuals if not condition.reached)
     if refused is None or (planned is not None and trace.index(planned) > trace.index(refused)):
-        return api.JobExplanation(reasons=job.reasons, causes=(), repairs=(), conditions=missing)
-    data = refused["data"]
-    return api.JobExplanation(
-        reasons=tuple(data["reasons"]),
-        causes=tuple(data.get("causes", ())),
-        repairs=tuple(data.get("repairs", ())),
-        conditions=missing,
-    )
+        return api.JobExplanation.view_of(job, causes=(), repairs=(), conditions=missing)
+    return api.JobExplanation(**{"causes": (), "repairs": (), **refused["data"], "conditions": missing})
 
 
 def _last(trace: Trace, what: TraceEventKind) -> Mapping[str, Any] | None:
