@@ -58,19 +58,12 @@ class Services:
         """Opens the session and runs it.
 
         Raises:
-            UsageError: Other machines can reach the server, and there is no key.
             SkirosError: It cannot be opened.
         """
         station, data = self.station, self.station.data
         with ExitStack() as stack:
             station.make_folder()
-            self.keys = stack.enter_context(closing(KeyStore(data)))
-            check_access(self.settings, self.keys)
-            # A separate connection: a request that looks up its key never waits for writes.
-            self.audit = AuditLog(open_access(data), besides=self.keys.save_last_used)
-            stack.callback(self.audit.close)
-            self.audit.start()
-            self.authenticator = Authenticator(self.settings, self.keys)
+            self.keys, self.authenticator, self.audit = set_up_access(self.settings, data, stack)
             stack.enter_context(station)
             origin = f"urn:skiros:{socket.gethostname()}:{data.name}"
             self.webhooks = stack.enter_context(closing(WebhookStore(data / "webhooks.db", origin)))
@@ -104,3 +97,24 @@ class Services:
     def __exit__(self, *_: object) -> None:
         """Stops everything and closes all services."""
         self._close()
+
+
+def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
+    """Opens the keys and the audit log of a data directory.
+
+    Args:
+        settings: Settings of the server.
+        data: The data directory.
+        stack: Closes them at the end.
+
+    Raises:
+        UsageError: Other machines can reach the server, and there is no key.
+        FileError: The file cannot be opened or created, or is damaged.
+    """
+    keys = stack.enter_context(closing(KeyStore(data)))
+    check_access(settings, keys)
+    # A separate connection: a request that looks up its key never waits for writes.
+    audit = AuditLog(open_access(data), besides=keys.save_last_used)
+    stack.callback(audit.close)
+    audit.start()
+    return keys, Authenticator(settings, keys), audit

@@ -24,10 +24,9 @@ from skiros_py.station.jobs.jobs import JobService, JobWaiter
 from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.recordings.runs import JobRecordings
+from skiros_py.station.robots.asked import Motions, Observations
 from skiros_py.station.robots.devices import DeviceService, SignalService
 from skiros_py.station.robots.models import RobotModels
-from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.observations import Observations
 from skiros_py.station.robots.robots import RobotService
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService

@@ -6,9 +6,8 @@ from typing import Any
 
 from skiros_py.geometry import Pose
 from skiros_py.station.events.log import as_text
+from skiros_py.station.robots.asked import Motions, Observations
 from skiros_py.station.robots.devices import device_state
-from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.observations import Observations
 from skiros_py.station.session import Session
 
 _RATE = 20.0
