@@ -41,8 +41,7 @@ from skiros_py.skills.surroundings import map_pose
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.recordings.topics import camera_of
-from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.observations import Observations
+from skiros_py.station.robots.asked import Motions, Observations
 from skiros_py.station.session import Options, Session
 from skiros_py.station.world.view import view_of
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, robot_turtle, world_of

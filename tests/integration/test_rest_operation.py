@@ -65,7 +65,7 @@ def test_a_halted_station_is_ready_and_reports_that_it_is_halted(served):
 
 
 def test_a_stuck_control_cycle_is_reported_as_dead_even_if_the_server_answers(tmp_path, monkeypatch):
-    monkeypatch.setattr("skiros_py.server.routes.health._LONGEST_CYCLE", 0.2)
+    monkeypatch.setattr("skiros_py.server.routes.operation._LONGEST_CYCLE", 0.2)
     free = threading.Event()
     with serving("kitting", tmp_path) as server:
         hold = threading.Thread(target=lambda: server.services.station.control.call(lambda _s: free.wait(8.0)))

@@ -11,9 +11,6 @@ from pydantic import ConfigDict, Field, StrictBool, StrictInt
 from skiros_py.api.goals import GoalOrder, Material, TemplateParameter
 from skiros_py.api.wire import Answer, Moment, Name, Page, Request, Sentence, Told, WantedMoment
 
-COMMANDS = ("start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear")
-"""Commands to a job: the last part of the address of each."""
-
 _PRIORITIES = 2**15
 
 

@@ -37,6 +37,9 @@ Breakpoints = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=_MOST_BREAKPOINTS)
 ]
 _BREAKPOINTS = "Paths of nodes of its implementation before which it is paused."
+RunCommand = Literal["pause", "resume", "step", "stop"]
+"""Commands to a run of a module or a task."""
+
 ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded", "failed"]
 
 
@@ -83,8 +86,8 @@ class ModulePlace(Answer):
     """Id of its robot."""
 
 
-class ModuleSummary(Answer):
-    """A module, for people who choose one."""
+class NamedModule(Answer):
+    """A module."""
 
     name: str = Field(examples=["pick"])
     """Its name."""
@@ -94,6 +97,11 @@ class ModuleSummary(Answer):
     """Description in one sentence."""
     version: str = Field(examples=["1.0.0"])
     """Version of the first implementation."""
+
+
+class ModuleSummary(NamedModule):
+    """A module, for people who choose one."""
+
     agents: list[ModulePlace]
     """The subsystems that can run it."""
 
@@ -200,34 +208,31 @@ class Implementation(Answer):
     """Edges of its body."""
 
 
-class ModuleDetails(Answer):
-    """A module of one subsystem, as known before it runs."""
+class SkillTerms(Answer):
+    """What a skill or primitive takes, requires and brings about."""
 
-    agent: str = Field(examples=["arm_1"])
-    """Id of the subsystem."""
-    name: str = Field(examples=["pick"])
-    """Its name."""
-    kind: Literal["skill", "primitive", "document"] = Field(examples=["skill"])
-    """Its kind."""
-    help: str = Field(examples=["Picks a part from a storage place."])
-    """Description in one sentence."""
-    version: str = Field(examples=["1.0.0"])
-    """Version of the first implementation."""
     parameters: list[ModuleParameter]
     """Its parameters."""
-    outputs: list[ModuleOutput]
-    """Values of its outcome; empty for a skill."""
     pre: list[SkillCondition]
     """Preconditions; empty for a primitive."""
     hold: list[SkillCondition]
     """Hold conditions: they must hold while it runs."""
     post: list[SkillCondition]
-    """Postconditions: they hold after it succeeded."""
+    """Postconditions: its effects, which hold after it succeeded."""
+
+
+class ModuleDetails(SkillTerms, NamedModule):
+    """A module of one subsystem, as known before it runs."""
+
+    agent: str = Field(examples=["arm_1"])
+    """Id of the subsystem."""
+    outputs: list[ModuleOutput]
+    """Values of its outcome; empty for a skill."""
     implementations: list[Implementation]
     """Its implementations, in the order in which they are tried."""
 
 
-class SkillInfo(Answer):
+class SkillInfo(SkillTerms):
     """A skill as seen by people and planners, without its implementations."""
 
     name: str = Field(examples=["pick"])
@@ -242,16 +247,8 @@ class SkillInfo(Answer):
     """Key of the parameter for the element that it acts on."""
     duration: float | None = Field(examples=[6])
     """Typical duration [s]; null if unknown."""
-    parameters: list[ModuleParameter]
-    """Its parameters."""
     needs: list[SkillCondition]
     """All conditions before its start: those of the parameters, then `pre`."""
-    pre: list[SkillCondition]
-    """Preconditions."""
-    hold: list[SkillCondition]
-    """Hold conditions: they must hold while it runs."""
-    post: list[SkillCondition]
-    """Postconditions: its effects."""
     agents: list[ModulePlace]
     """The subsystems that offer it now."""
 

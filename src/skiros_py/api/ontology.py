@@ -5,18 +5,23 @@ from __future__ import annotations
 from pydantic import Field
 
 from skiros_py.api.wire import Answer, Page, Sentence, Told
-from skiros_py.api.world import Value
+from skiros_py.api.world import NamedElement, Value
 
 
-class ClassNode(Answer):
-    """A class with its subclasses; a class with several parents is listed below its primary one."""
+class Term(Answer):
+    """A term of the ontology."""
 
     name: str = Field(examples=["kitting:Starter"])
-    """The class."""
+    """Its name."""
     label: str = Field(examples=["starter"])
     """Its label."""
     comment: str
     """Its meaning."""
+
+
+class ClassNode(Term):
+    """A class with its subclasses; a class with several parents is listed below its primary one."""
+
     parents: list[str]
     """Its direct superclasses, the primary one first."""
     instances: int
@@ -27,15 +32,9 @@ class ClassNode(Answer):
     """Number of its direct subclasses."""
 
 
-class PropertyInfo(Answer):
+class PropertyInfo(Term):
     """A property of elements."""
 
-    name: str = Field(examples=["sk:mass"])
-    """The property."""
-    label: str = Field(examples=["mass"])
-    """Its label."""
-    comment: str
-    """Its meaning."""
     datatype: str = Field(examples=["xsd:decimal"])
     """Data type of its values."""
     says: str = Field(examples=["a finite number"])
@@ -53,15 +52,9 @@ class ClassProperty(PropertyInfo):
     """Value given by the class, or taught for it; null if there is none."""
 
 
-class RelationInfo(Answer):
+class RelationInfo(Term):
     """A relation between elements."""
 
-    name: str = Field(examples=["sk:in"])
-    """The relation."""
-    label: str = Field(examples=["in"])
-    """Its label."""
-    comment: str
-    """Its meaning."""
     family: str = Field(examples=["placement"])
     """"placement", "structure", "computed" or "plain"."""
     parents: list[str]
@@ -112,15 +105,9 @@ class ClassUse(Answer):
     """Its class."""
 
 
-class ClassDetails(Answer):
+class ClassDetails(Term):
     """A class with its properties and relations."""
 
-    name: str = Field(examples=["kitting:Starter"])
-    """The class."""
-    label: str
-    """Its label."""
-    comment: str
-    """Its meaning."""
     parents: list[str]
     """Its direct superclasses, the primary one first."""
     ancestors: list[str]
@@ -147,15 +134,9 @@ class ClassDetails(Answer):
     """Conditions that accept its elements."""
 
 
-class PlaceOption(Answer):
+class PlaceOption(NamedElement):
     """A possible place."""
 
-    id: str = Field(examples=["kit_1_a"])
-    """Id of the place."""
-    class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Compartment"])
-    """Its class."""
-    label: str
-    """Its label."""
     fits: bool
     """Whether it accepts the element now."""
     why_not: Sentence

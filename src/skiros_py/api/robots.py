@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import ConfigDict, Field
 
 from skiros_py.api.modules import Arguments
-from skiros_py.api.view import DeviceState, PoseInfo
+from skiros_py.api.view import DeviceState, OfCycle, PoseInfo
 from skiros_py.api.wire import Answer, Name, Page, Request
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -134,15 +134,11 @@ Robots = Page[RobotInfo]
 """The robots of the cell."""
 
 
-class RobotReading(Answer):
+class RobotReading(OfCycle):
     """A robot at one moment."""
 
     id: str = Field(examples=["robot_1"])
     """Its id."""
-    time: float = Field(examples=[45.8])
-    """Run time [s]."""
-    cycle: int = Field(examples=[9160])
-    """Number of the control cycle."""
     halted: str = Field(examples=[""])
     """Reason of the halt; empty if nothing is halted."""
     at: str = Field(examples=["pallet_a"])
@@ -155,15 +151,11 @@ class RobotReading(Answer):
     """Poses of the frames of its devices in the map, by device id: the tip of an arm, the optical frame of a camera."""
 
 
-class DeviceReading(DeviceState):
+class DeviceReading(DeviceState, OfCycle):
     """A device at one moment, with its signals."""
 
     id: str = Field(examples=["gripper_1"])
     """Its id."""
-    time: float = Field(examples=[45.8])
-    """Run time [s]."""
-    cycle: int = Field(examples=[9160])
-    """Number of the control cycle."""
     signals: dict[str, SignalValue] = Field(examples=[{"gap": 0.051, "force": 30.0}])
     """Values of its signals, by name."""
 
@@ -194,13 +186,9 @@ class SignalReading(Answer):
     """Why it has no value; empty if it has one."""
 
 
-class SignalReadings(Answer):
+class SignalReadings(OfCycle):
     """Values of signals in one control cycle."""
 
-    time: float = Field(examples=[45.8])
-    """Run time [s]."""
-    cycle: int = Field(examples=[9160])
-    """Number of the control cycle."""
     signals: dict[str, SignalReading]
     """The values, by name of the signal."""
 

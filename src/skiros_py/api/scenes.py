@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictFloat
 
+from skiros_py.api.view import OfCycle
 from skiros_py.api.wire import Answer, Page, Request
 from skiros_py.api.world import Rotation
 
@@ -42,42 +43,37 @@ class SceneRobot(Answer):
     """Its class."""
 
 
-class Scene(Answer):
+class SceneContent(Answer):
+    """What a scene is about."""
+
+    name: str = Field(examples=["kitting"])
+    """Its name; of the current one the scene that was loaded or saved last, empty for an upload."""
+    version: int = Field(examples=[17])
+    """Its ETag: the checksum of its file, or the version of the world."""
+    elements: int = Field(examples=[22])
+    """Number of its elements, without skills."""
+    robots: list[SceneRobot]
+    """Its robots."""
+    goals: list[str] = Field(examples=[["InKit(Starter, kit_1)"]])
+    """Goals stored with it."""
+
+
+class Scene(SceneContent):
     """A loadable scene."""
 
-    name: str = Field(examples=["kitting"])
-    """Its name."""
     source: Source
     """"saved" in this data directory, or "installed" with a package."""
-    version: int = Field(examples=[2868123])
-    """Checksum of its file; its ETag."""
     title: str = Field(examples=["kitting"])
     """Its title; its name if it has none."""
-    elements: int = Field(examples=[22])
-    """Number of its elements, without skills."""
-    robots: list[SceneRobot]
-    """Its robots."""
-    goals: list[str] = Field(examples=[["InKit(Starter, kit_1)"]])
-    """Goals stored with it."""
 
 
-class CurrentScene(Answer):
+class CurrentScene(SceneContent):
     """The current scene, as believed."""
 
-    name: str = Field(examples=["kitting"])
-    """The scene that was loaded or saved last; empty for an upload."""
-    version: int = Field(examples=[17])
-    """Version of the world; its ETag."""
     changed: bool | None = Field(examples=[True])
     """Whether it differs from the scene of that name; null if that no longer exists."""
-    elements: int = Field(examples=[22])
-    """Number of its elements, without skills."""
     learned: int
     """Number of learned concepts; they persist when a scene is loaded."""
-    robots: list[SceneRobot]
-    """Its robots."""
-    goals: list[str] = Field(examples=[["InKit(Starter, kit_1)"]])
-    """Goals stored with it."""
 
 
 class LoadScene(Request):
@@ -115,8 +111,8 @@ Position = tuple[Coordinate, Coordinate, Coordinate]
 """(x, y, z) in the map [m]."""
 
 
-class SimulationState(Answer):
-    """State of the simulation, or of the fake driver."""
+class SimulationState(OfCycle):
+    """State of the simulation, or of the fake driver, by simulated time since the start."""
 
     driver: str
     """Name of the driver: "pybullet", "fake", …."""
@@ -130,10 +126,6 @@ class SimulationState(Answer):
     """Whether nothing runs, so that a scene can be loaded or reset."""
     pace: float | None = Field(examples=[1.0])
     """Simulated time per wall time; null in lockstep, as fast as possible."""
-    time: float = Field(examples=[12.5])
-    """Simulated time since the start [s]."""
-    cycle: int = Field(examples=[2500])
-    """Number of control cycles since the start."""
     period: float = Field(examples=[0.005])
     """Length of a control cycle [s]."""
     stuck: float = Field(examples=[0.004])

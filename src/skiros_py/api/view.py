@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from skiros_py.api.wire import Answer
+from skiros_py.api.world import NamedElement
 
 
 class PoseInfo(Answer):
@@ -49,13 +50,18 @@ class TaskAtWork(Answer):
     """planning, running, paused, waiting or ended."""
 
 
-class StationState(Answer):
-    """State of the robots at one moment."""
+class OfCycle(Answer):
+    """What was read in one control cycle."""
 
     time: float = Field(examples=[45.8])
     """Run time [s]."""
     cycle: int = Field(examples=[9160])
     """Number of the control cycle."""
+
+
+class StationState(OfCycle):
+    """State of the robots at one moment."""
+
     pace: float | None = Field(examples=[1.0])
     """Run time per wall time; null if as fast as possible."""
     halted: str = Field(examples=[""])
@@ -93,17 +99,9 @@ class Block(Answer):
     """Pose of its centre, in the frame of the element."""
 
 
-class ViewElement(Answer):
+class ViewElement(NamedElement):
     """An element with its shape and pose."""
 
-    model_config = ConfigDict(populate_by_name=True)
-
-    id: str = Field(examples=["starter_1"])
-    """Its id."""
-    class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Starter"])
-    """Its class."""
-    label: str = Field(examples=["starter"])
-    """Its label."""
     pose: PoseInfo | None
     """Where its frame is in the map, or in that of its carrier; null where that is not known exactly. Of a robot and
     its base: where it localised itself when this was answered.

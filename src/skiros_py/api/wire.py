@@ -7,7 +7,7 @@ import inspect
 import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from itertools import pairwise
 from typing import Annotated, Any, Generic, Self, TypeVar
 
@@ -18,6 +18,8 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
+    TypeAdapter,
+    ValidationError,
     ValidatorFunctionWrapHandler,
     WrapValidator,
     computed_field,
@@ -25,6 +27,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from skiros_py.errors import UsageError
 from skiros_py.messages import Message, messages_in
 
 _LONGEST_NAME = 200
@@ -235,6 +238,25 @@ def fault_words(fault: Mapping[str, Any]) -> str:
         return words(**context)
     except LookupError:
         return str(fault["msg"])
+
+
+@lru_cache(maxsize=256)
+def adapter_of(kind: Any) -> TypeAdapter[Any]:
+    """Returns what validates and writes data of a type."""
+    return TypeAdapter(kind)
+
+
+def validated(kind: Any, value: Any) -> Any:
+    """Returns a value as one of a type.
+
+    Raises:
+        UsageError: It is none; the message names the fields that are wrong.
+    """
+    try:
+        return adapter_of(kind).validate_python(value)
+    except ValidationError as error:
+        faults = [(fault_field(one), fault_words(one)) for one in error.errors(include_url=False)[:5]]
+        raise UsageError("; ".join(f"{where}: {words}" if where else words for where, words in faults)) from None
 
 
 def _plain(value: object) -> object:

@@ -88,8 +88,8 @@ Value = Any
 """A value in a response: a text, a number, true or false, a list of numbers, or a pose (see :class:`Pose`)."""
 
 
-class ElementSummary(Answer):
-    """One element in a list."""
+class NamedElement(Answer):
+    """An element, as it is named in lists, trees and pictures."""
 
     id: str = Field(examples=["starter_1"])
     """Its id; never reused."""
@@ -97,6 +97,11 @@ class ElementSummary(Answer):
     """Its most specific class."""
     label: str = Field(examples=["starter"])
     """Its label."""
+
+
+class ElementSummary(NamedElement):
+    """One element in a list."""
+
     placement: Placement | None
     """Its place; null for abstract elements and parts."""
     abstract: bool
@@ -247,17 +252,11 @@ class ElementPatch(Request):
     """Reason, for people."""
 
 
-class TreeNode(Answer):
-    """An element with the elements placed there and its parts."""
+class TreeNode(NamedElement):
+    """An element with the elements placed there and its parts; the root of the world has the id ""."""
 
     model_config = ConfigDict(frozen=False)
 
-    id: str = Field(examples=["pallet_a"])
-    """Its id; "" for the root of the world."""
-    class_: str = Field(validation_alias="class", serialization_alias="class", examples=["kitting:Pallet"])
-    """Its class."""
-    label: str = Field(examples=["pallet A"])
-    """Its label."""
     relation: str = Field(examples=["sk:on"])
     """Its relation to the parent node."""
     version: int
@@ -375,15 +374,9 @@ class UndoOrder(Request):
     """Only if this change is the next one."""
 
 
-class Learned(Answer):
+class Learned(NamedElement):
     """A learned concept, which persists beyond this scene."""
 
-    id: str = Field(examples=["learned:taught_grasp_1"])
-    """Its id."""
-    class_: str = Field(validation_alias="class", serialization_alias="class", examples=["sk:TaughtGrasp"])
-    """Its class."""
-    label: str
-    """Its label."""
     about: str | None = Field(examples=["kitting:Starter"])
     """The class to which it applies."""
     properties: dict[str, Any]

@@ -99,7 +99,7 @@ def _call(method: Operation[..., Any], texts: Sequence[str]) -> Any:
 
 
 def _value(text: str, parameter: inspect.Parameter) -> Any:
-    from skiros_py.client.operation import validated
+    from skiros_py.api.wire import validated
 
     if text.startswith("@"):
         text = read_text(Path(text[1:]))

@@ -48,8 +48,7 @@ def check(data: Path) -> Found:
     from skiros_py.server.access.audit import audit_findings
 
     found = [*check_data(data), *audit_findings(data)]
-    shown = [{"file": one.file, "fault": one.fault, "advice": one.advice} for one in found]
-    return {"findings": shown}, _finding_lines(found), DIFFERENT if found else REACHED
+    return {"findings": found}, _finding_lines(found), DIFFERENT if found else REACHED
 
 
 def _finding_lines(found: list[Finding]) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,7 +15,7 @@ from skiros_py.files import read_text
 
 if TYPE_CHECKING:
     from skiros_py.api.documents import DocumentInfo
-    from skiros_py.api.modules import ModuleRunInfo
+    from skiros_py.api.modules import ModuleRunInfo, RunCommand
     from skiros_py.client import Client
 
 
@@ -109,7 +109,7 @@ def break_(client: Client, run: str, paths: tuple[str, ...]) -> Found:
 @served("document command 3f2a9c1e-1 resume --data cell", command)
 @click.argument("run")
 @click.argument("verb", type=click.Choice(["pause", "resume", "step", "stop"]))
-def command_run(client: Client, run: str, verb: Literal["pause", "resume", "step", "stop"]) -> Found:
+def command_run(client: Client, run: str, verb: RunCommand) -> Found:
     """Pauses, resumes or stops a RUN, or executes one cycle of a paused one."""
     found = client.modules.command(run, verb)
     return found, _run_lines(found)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from skiros_py.cli.options import JSON
-from skiros_py.cli.output import rendered, tell
+from skiros_py.cli.commands import Found, reports
+from skiros_py.cli.output import rendered
 from skiros_py.scaffold.orders import (
     NewCondition,
     NewOntology,
@@ -38,7 +38,7 @@ def command() -> None:
 
 
 @click.option("--dir", "folder", default=".", type=click.Path(path_type=Path), metavar="DIR", help="Write below DIR.")
-def package(folder: Path, dry_run: bool, as_json: bool, **given: Any) -> int:
+def package(folder: Path, dry_run: bool, **given: Any) -> Found:
     """Writes the files of a new package."""
     from skiros_py.scaffold.package import draft_package
 
@@ -46,13 +46,13 @@ def package(folder: Path, dry_run: bool, as_json: bool, **given: Any) -> int:
     if not dry_run:
         draft.write()
     steps = (f"cd {draft.root}", "pip install -e '.[test]'", "pytest", f"skiros run {given['name']} --fake")
-    return _tell(draft, steps, dry_run=dry_run, as_json=as_json)
+    return _found(draft, steps, dry_run=dry_run)
 
 
 def _addition(kind: str, order: type[Order]) -> Any:
     """Returns the function of a command that adds to the package around the working directory."""
 
-    def add(dry_run: bool, as_json: bool, **given: Any) -> int:
+    def add(dry_run: bool, **given: Any) -> Found:
         from skiros_py.scaffold.project import Project, knowledge_of
 
         if sys.stdin.isatty() and not any(all(given[name] for name in names) for names in order.enough):
@@ -64,7 +64,7 @@ def _addition(kind: str, order: type[Order]) -> Any:
         steps = [f"cd {draft.root}"] if draft.root != Path.cwd() else []
         steps += [f"pytest {path}" for path in draft.new if path.startswith("tests/") and path.endswith(".py")]
         steps += ["pip install -e ."] if draft.changed else []
-        return _tell(draft, steps, dry_run=dry_run, as_json=as_json)
+        return _found(draft, steps, dry_run=dry_run)
 
     return add
 
@@ -72,11 +72,10 @@ def _addition(kind: str, order: type[Order]) -> Any:
 def _add_command(order: type[Order]) -> None:
     kind = order.__name__.removeprefix("New").lower()
     function = package if order is NewPackage else _addition(kind, order)
-    for decorate in (JSON, click.option("--dry-run", is_flag=True, help="Write nothing; show what would be written.")):
-        function = decorate(function)
+    function = click.option("--dry-run", is_flag=True, help="Write nothing; show what would be written.")(function)
     for one in reversed(fields(order)):
         function = _option(one)(function) if one.metadata else click.argument(one.name)(function)
-    command.command(kind, help=order.__doc__, epilog=f"Example: skiros new {order.example}")(function)
+    reports(f"new {order.example}", command, help=order.__doc__)(function)
 
 
 def _option(field: Field[Any]) -> Any:
@@ -105,21 +104,21 @@ def _ask(order: type[Order], given: dict[str, Any]) -> None:
             given[name] += (answer,)
 
 
-def _tell(draft: Draft, steps: Sequence[str], *, dry_run: bool, as_json: bool) -> int:
+def _found(draft: Draft, steps: Sequence[str], *, dry_run: bool) -> Found:
     lines = [*_tree(draft), *(f"note: {note}" for note in draft.notes)]
     if dry_run:
         lines.append("nothing was written")
     elif steps:
         lines += ["next:", *(f"    {step}" for step in steps)]
     found = {
-        "folder": str(draft.root),
+        "folder": draft.root,
         "new": list(draft.new),
         "changed": list(draft.changed),
-        "notes": list(draft.notes),
-        "next": list(steps),
+        "notes": draft.notes,
+        "next": steps,
         "written": not dry_run,
     }
-    return tell(found, lines, as_json=as_json)
+    return found, lines
 
 
 def _tree(draft: Draft) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import getpass
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,13 +16,10 @@ from skiros_py.errors import UsageError
 from skiros_py.system import default_simulation
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
-
     from skiros_py.world.journal.data_directory import DataDirectory
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
-_Model = TypeVar("_Model", bound="BaseModel")
 
 
 def data_option(*, required: bool = True) -> Callable[[_Command], _Command]:
@@ -139,23 +136,6 @@ def key_values(
             raise UsageError(f"{option} {name} is given twice")
         found[name] = value
     return found
-
-
-def checked(model: type[_Model], data: Mapping[str, Any]) -> _Model:
-    """Makes a request of values from the command line.
-
-    Raises:
-        UsageError: A value is none for it.
-    """
-    from pydantic import ValidationError
-
-    from skiros_py.api.wire import fault_field, fault_words
-
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise UsageError(f"{fault_field(first)}: {fault_words(first)}") from None
 
 
 def given_params(params: Iterable[str]) -> dict[str, str]:

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -74,11 +74,6 @@ _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0
 """The same for simulated robots: their time stands still meanwhile, and a busy machine is not the module's fault."""
-_SETTINGS = (
-    "host", "port", "authentication", "allowed_hosts", "allowed_origins", "public_url", "trusted_proxies",
-    "webhook_hosts",
-)  # fmt: skip
-"""Options of the command that are settings of the server; the others are those of the session."""
 _ENDING = 9.0
 """Maximum time from the first signal to the end of the process [s]."""
 
@@ -148,7 +143,7 @@ def command(scene: str, data: Path | None, log: Literal["console", "json"], as_j
     from skiros_py.server.settings import ServerSettings
     from skiros_py.station.session import Options
 
-    settings = ServerSettings(**{name: given.pop(name) for name in _SETTINGS})
+    settings = ServerSettings(**{one.name: given.pop(one.name) for one in fields(ServerSettings) if one.name in given})
     overrun = _OVERRUN if given["driver"] else _OVERRUN_SIMULATED
     options = Options(data=data, overrun=None if given["pace"] is None else overrun, **given)
     if data is None and not scene:

@@ -12,7 +12,7 @@ import click
 
 from skiros_py.cli.commands import Found, reports
 from skiros_py.cli.lazy import LazyGroup
-from skiros_py.cli.options import AUTHOR, DATA, checked, data_option, key_values, open_existing
+from skiros_py.cli.options import AUTHOR, DATA, data_option, key_values, open_existing
 from skiros_py.cli.output import REACHED
 from skiros_py.cli.server_choice import present_world
 from skiros_py.errors import FileError
@@ -212,10 +212,11 @@ def add(
     what: str, like: bool, id_: str | None, label: str | None, values: dict[str, Any], data: Path, author: str
 ) -> Found:
     """Adds a learned concept of CLASS; skiros world undo removes it."""
+    from skiros_py.api.wire import validated
     from skiros_py.api.world import NewElement
 
     given = {"like" if like else "class": what, "id": id_, "label": label, "properties": values}
-    new = checked(NewElement, {**given, "reason": f"teaches a {what}"})
+    new = validated(NewElement, {**given, "reason": f"teaches a {what}"})
     with present_world(data) as world:
         return _changed(world.teach(new, author))
 
@@ -228,9 +229,10 @@ def add(
 @AUTHOR
 def edit(concept: str, label: str | None, values: dict[str, Any], data: Path, author: str) -> Found:
     """Changes label and values of CONCEPT; skiros world undo restores them."""
+    from skiros_py.api.wire import validated
     from skiros_py.api.world import ElementPatch
 
-    patch = checked(ElementPatch, {"label": label, "properties": values, "reason": f"edits {concept}"})
+    patch = validated(ElementPatch, {"label": label, "properties": values, "reason": f"edits {concept}"})
     with present_world(data) as world:
         return _changed(world.edit_learned(concept, patch, author))
 

@@ -81,7 +81,7 @@ def command(
     with opened as world:
         result = world.query(sparql, bound, entailed=entailed, time_limit=time_limit)
     if as_json:
-        from skiros_py.station.world.service import Answer
+        from skiros_py.station.world.ontology import Answer
 
         answer(Answer(result).data())
     else:
@@ -139,7 +139,7 @@ def _value(text: str) -> Binding:
 
 
 def _show(result: Result, *, as_csv: bool) -> None:
-    from skiros_py.station.world.service import Answer, shown_value
+    from skiros_py.station.world.ontology import Answer, shown_value
     from skiros_py.world.queries.answering import Table
 
     if as_csv and not isinstance(result, Table):

@@ -8,12 +8,11 @@ from collections.abc import Awaitable, Callable, Mapping
 from functools import cached_property, partial
 from typing import Any, Concatenate, Generic, ParamSpec, Protocol, TypeVar, overload
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 from pydantic_core import to_jsonable_python
 
-from skiros_py.api.wire import fault_field, fault_words
-from skiros_py.client.request import Call, adapter_of, path_of
-from skiros_py.errors import UsageError
+from skiros_py.api.wire import adapter_of, validated
+from skiros_py.client.request import Call, path_of
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -161,19 +160,6 @@ def as_json(given: BaseModel | Mapping[str, Any], kind: Any) -> Any:
     """
     model = given if isinstance(given, BaseModel) else validated(kind, given)
     return adapter_of(kind).dump_python(model, mode="json", by_alias=True, exclude_unset=True)
-
-
-def validated(kind: Any, value: Any) -> Any:
-    """Returns a value as one of a type.
-
-    Raises:
-        UsageError: It is none; the message names the fields that are wrong.
-    """
-    try:
-        return adapter_of(kind).validate_python(value)
-    except ValidationError as error:
-        faults = [(fault_field(one), fault_words(one)) for one in error.errors(include_url=False)[:5]]
-        raise UsageError("; ".join(f"{where}: {words}" if where else words for where, words in faults)) from None
 
 
 def tag(version: int | str | None) -> str | None:

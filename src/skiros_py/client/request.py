@@ -9,16 +9,15 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
 from types import FunctionType
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
 import httpx2
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from skiros_py.api.server import is_loopback
-from skiros_py.api.wire import ProblemDetails
+from skiros_py.api.wire import ProblemDetails, adapter_of
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 
 T = TypeVar("T")
@@ -49,30 +48,12 @@ class Call(Generic[T]):
     repeatable: bool = True
     content: bytes | None = None
 
-    def result(self, response: httpx2.Response) -> T:
-        """Parses a successful response.
-
-        Raises:
-            ValueError: The response does not have the expected shape.
-        """
-        read = _READERS.get(self.read, self.read)
-        if not isinstance(read, FunctionType):
-            return adapter_of(read).validate_json(response.content)  # type: ignore[no-any-return]
-        result: T = read(response)
-        return result
-
 
 _READERS: dict[Any, Callable[[httpx2.Response], Any]] = {
     None: lambda _response: None,
     str: lambda response: response.text,
     bytes: lambda response: response.content,
 }
-
-
-@lru_cache(maxsize=256)
-def adapter_of(kind: Any) -> TypeAdapter[Any]:
-    """Returns what validates and writes data of a type."""
-    return TypeAdapter(kind)
 
 
 _PART = re.compile(r"[^/\x00-\x1f\ud800-\udfff]{1,300}")
@@ -306,8 +287,12 @@ def result_of(call: Call[T], response: httpx2.Response) -> T:
     """
     if not response.is_success:
         raise problem_of(response)
+    read = _READERS.get(call.read, call.read)
     try:
-        return call.result(response)
+        result: T = (
+            read(response) if isinstance(read, FunctionType) else adapter_of(read).validate_json(response.content)
+        )
+        return result
     except ValueError as error:
         raise SkirosError(
             f"this client cannot parse the response of {response.url}; server and client may be of different"

@@ -19,23 +19,17 @@ from skiros_py.server.problems import PREFIX, add_problem_handlers
 from skiros_py.server.routes import (
     access,
     alarms,
-    data,
     documents,
     elements,
     events,
     goals,
-    health,
-    job_commands,
-    job_results,
     jobs,
-    learned,
     modules,
     ontology,
+    operation,
     queries,
     robots,
     scenes,
-    simulation,
-    stop,
     tasks,
     webhooks,
     world,
@@ -43,11 +37,11 @@ from skiros_py.server.routes import (
 from skiros_py.server.services import Services
 
 _ROUTERS = (
-    jobs.router, job_commands.router, job_results.router, goals.router, goals.previews_router, world.router,
-    elements.router, ontology.router, queries.router, learned.router, world.locks_router, scenes.router,
-    simulation.router, modules.router, documents.router, tasks.router,
-    modules.plugins_router, robots.router, alarms.router, events.router, stop.router, webhooks.router,
-    access.router, access.keys_router, access.session_router, data.router, health.router,
+    jobs.router, jobs.commands_router, jobs.results_router, goals.router, goals.previews_router, world.router,
+    elements.router, ontology.router, queries.router, elements.learned_router, world.locks_router, scenes.router,
+    scenes.simulation_router, modules.router, documents.router, tasks.router,
+    modules.plugins_router, robots.router, alarms.router, events.router, alarms.stop_router, webhooks.router,
+    access.router, access.keys_router, access.session_router, operation.data_router, operation.router,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Self
@@ -61,12 +60,22 @@ class Services:
         Raises:
             SkirosError: It cannot be opened.
         """
-        station = self.station
+        station, data = self.station, self.station.data
         with ExitStack() as stack:
             station.make_folder()
-            self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, stack)
+            self.keys, self.authenticator, self.audit = set_up_access(self.settings, data, stack)
             stack.enter_context(station)
-            self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, stack)
+            origin = f"urn:skiros:{socket.gethostname()}:{data.name}"
+            self.webhooks = stack.enter_context(closing(WebhookStore(data / "webhooks.db", origin)))
+            sender = WebhookSender(
+                self.webhooks,
+                lambda: station.session,
+                announced_job,
+                self.settings.webhook_hosts,
+                on_dead=self._on_dead,
+            )
+            self._sender = stack.enter_context(closing(sender))
+            self._sender.start()
             station.unreadable += [self.keys.unreadable, self.audit.unreadable, self.webhooks.unreadable]
             self._close = stack.pop_all().close
         return self
@@ -75,6 +84,16 @@ class Services:
         """Wakes the sender of webhooks; does not block; callable from any thread."""
         if self._sender is not None:
             self._sender.wake()
+
+    def _on_dead(self, post: Post, why: str) -> None:
+        text = Message(
+            "{webhook} did not get {message} ({why}): see the dead letters of the webhooks",
+            webhook=post.webhook,
+            message=post.job or "ping",
+            why=why,
+        )
+        alarms = self.station.alarms
+        alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
     def __exit__(self, *_: object) -> None:
         """Stops everything and closes all services."""
@@ -100,29 +119,3 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
     stack.callback(audit.close)
     audit.start()
     return keys, Authenticator(settings, keys), audit
-
-
-def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
-    """Opens the file of webhooks and starts to send.
-
-    Args:
-        station: The station whose jobs are announced.
-        hosts: Hosts to which webhooks may be sent.
-        stack: Closes them.
-    """
-    origin = f"urn:skiros:{socket.gethostname()}:{station.data.name}"
-    store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
-
-    def on_dead(post: Post, why: str) -> None:
-        text = Message(
-            "{webhook} did not get {message} ({why}): see the dead letters of the webhooks",
-            webhook=post.webhook,
-            message=post.job or "ping",
-            why=why,
-        )
-        station.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
-
-    sender = WebhookSender(store, lambda: station.session, announced_job, hosts, on_dead=on_dead)
-    stack.enter_context(closing(sender))
-    sender.start()
-    return store, sender

@@ -109,7 +109,6 @@ class EventStream(StreamingResponse):
     Args:
         frames: The events, as server-sent events.
         place: Context manager entered while the stream lasts; counts the streams, and may refuse this one.
-        stalled: A client that has received nothing for this time is disconnected [s].
     """
 
     media_type = "text/event-stream"
@@ -119,12 +118,10 @@ class EventStream(StreamingResponse):
         frames: AsyncIterator[bytes],
         place: AbstractContextManager[None],
         *,
-        stalled: float = _STALLED,
         status_code: int = 200,  # required by the OpenAPI description
     ) -> None:
         super().__init__(frames, status_code, headers=_HEADERS)
         self._place = place
-        self._stalled = stalled
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers the request."""
@@ -132,14 +129,14 @@ class EventStream(StreamingResponse):
             try:
                 await super().__call__(scope, receive, send)
             except TimeoutError:
-                _log.warning("a client of %s takes no events for %g s: its stream ends", scope["path"], self._stalled)
+                _log.warning("a client of %s takes no events for %g s: its stream ends", scope["path"], _STALLED)
                 raise
 
     async def stream_response(self, send: Send) -> None:
         """Sends everything, but limits the time spent waiting for the client."""
 
         async def patiently(message: dict[str, object]) -> None:
-            async with asyncio.timeout(self._stalled):
+            async with asyncio.timeout(_STALLED):
                 await send(message)
 
         await super().stream_response(patiently)  # type: ignore[arg-type]

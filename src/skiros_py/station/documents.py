@@ -354,26 +354,25 @@ def _asked(module: str, work: Callable[[], T]) -> T:
     except SkirosError:
         raise
     except Exception as error:
-        raise DocumentError((DocumentFault("", f"{type(error).__name__}: {error}"),), module) from error
+        raise _refused(f"{type(error).__name__}: {error}", module) from error
+
+
+def _refused(text: str, module: str) -> DocumentError:
+    return DocumentError((DocumentFault("", text),), module)
 
 
 def _require_plain(data: Any, module: str) -> None:
     """Requires that a document is an object that JSON can represent and editors can draw."""
     if not isinstance(data, dict):
-        raise DocumentError(
-            (DocumentFault("", Message("a document is an object, not {given}", given=repr(data)[:100])),), module
-        )
+        raise _refused(Message("a document is an object, not {given}", given=repr(data)[:100]), module)
     try:
         text = json.dumps(data, allow_nan=False, ensure_ascii=False)
         text.encode()
     except (TypeError, ValueError, RecursionError) as error:
-        fault = DocumentFault("", f"JSON cannot represent it: {type(error).__name__}: {error!s:.200}")
-        raise DocumentError((fault,), module) from None
+        raise _refused(f"JSON cannot represent it: {type(error).__name__}: {error!s:.200}", module) from None
     if len(text) > _LONGEST:
-        fault = DocumentFault(
-            "", Message("at most {most} characters of JSON, not {count}", most=_LONGEST, count=len(text))
-        )
-        raise DocumentError((fault,), module)
+        said = Message("at most {most} characters of JSON, not {count}", most=_LONGEST, count=len(text))
+        raise _refused(said, module)
 
 
 def _wrong_elements(root: Behaviour, known: Known, world: WorldView) -> Iterator[DocumentFault]:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from skiros_py.errors import Busy, NotFound, Refused, StaleVersion, UnknownName
 from skiros_py.files import RDF_TYPES
 from skiros_py.messages import Message
-from skiros_py.station.session import Session
-from skiros_py.world.world import World
 
 if TYPE_CHECKING:
+    from skiros_py.station.session import Session
     from skiros_py.station.station import Station
+    from skiros_py.world.world import World
 
 T = TypeVar("T")
 

@@ -22,15 +22,13 @@ from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog, Kind
 from skiros_py.station.events.sources import EventSources
 from skiros_py.station.jobs.goals import GoalService
-from skiros_py.station.jobs.jobs import JobService
-from skiros_py.station.jobs.waiting import JobWaiter
+from skiros_py.station.jobs.jobs import JobService, JobWaiter
 from skiros_py.station.modules.modules import ModuleService, PluginService
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.recordings.runs import JobRecordings
+from skiros_py.station.robots.asked import Motions, Observations
 from skiros_py.station.robots.devices import DeviceService, SignalService
 from skiros_py.station.robots.models import RobotModels
-from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.observations import Observations
 from skiros_py.station.robots.robots import RobotService
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
@@ -40,7 +38,7 @@ from skiros_py.station.stops import HaltMark, Stops
 from skiros_py.station.tasks.previews import PreviewService
 from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
-from skiros_py.station.world.service import OntologyService, Queries
+from skiros_py.station.world.ontology import OntologyService, Queries
 from skiros_py.station.world.world import WorldService
 from skiros_py.world.journal.data_directory import make_folder
 

@@ -2408,11 +2408,11 @@ export interface components {
         CurrentScene: {
             name: string;
             version: number;
-            changed: boolean | null;
             elements: number;
-            learned: number;
             robots: components["schemas"]["SceneRobot"][];
             goals: string[];
+            changed: boolean | null;
+            learned: number;
         };
         DataFinding: {
             file: string;
@@ -2465,14 +2465,14 @@ export interface components {
             poses: components["schemas"]["PoseInfo"][];
         };
         DeviceReading: {
+            time: number;
+            cycle: number;
             still: boolean;
             state: {
                 [key: string]: unknown;
             } | null;
             holds: string | null;
             id: string;
-            time: number;
-            cycle: number;
             signals: {
                 [key: string]: boolean | number | number[];
             };
@@ -2904,17 +2904,17 @@ export interface components {
             status: string;
         };
         ModuleDetails: {
-            agent: string;
             name: string;
             /** @enum {string} */
             kind: "skill" | "primitive" | "document";
             help: string;
             version: string;
             parameters: components["schemas"]["ModuleParameter"][];
-            outputs: components["schemas"]["ModuleOutput"][];
             pre: components["schemas"]["SkillCondition"][];
             hold: components["schemas"]["SkillCondition"][];
             post: components["schemas"]["SkillCondition"][];
+            agent: string;
+            outputs: components["schemas"]["ModuleOutput"][];
             implementations: components["schemas"]["Implementation"][];
         };
         ModuleOutput: {
@@ -3490,9 +3490,9 @@ export interface components {
             agents: string[];
         };
         RobotReading: {
-            id: string;
             time: number;
             cycle: number;
+            id: string;
             halted: string;
             at: string;
             pose: components["schemas"]["PoseInfo"];
@@ -3525,13 +3525,13 @@ export interface components {
         };
         Scene: {
             name: string;
-            /** @enum {string} */
-            source: "installed" | "saved";
             version: number;
-            title: string;
             elements: number;
             robots: components["schemas"]["SceneRobot"][];
             goals: string[];
+            /** @enum {string} */
+            source: "installed" | "saved";
+            title: string;
         };
         SceneDifference: {
             items: {
@@ -3635,14 +3635,14 @@ export interface components {
             believed: boolean;
         };
         SimulationState: {
+            time: number;
+            cycle: number;
             driver: string;
             simulates: boolean;
             running: boolean;
             halted: string;
             resting: boolean;
             pace: number | null;
-            time: number;
-            cycle: number;
             period: number;
             stuck: number;
             stale: string[];
@@ -3655,17 +3655,17 @@ export interface components {
             negated: boolean;
         };
         SkillInfo: {
+            parameters: components["schemas"]["ModuleParameter"][];
+            pre: components["schemas"]["SkillCondition"][];
+            hold: components["schemas"]["SkillCondition"][];
+            post: components["schemas"]["SkillCondition"][];
             name: string;
             help: string;
             agent: string;
             agent_class: string;
             target: string;
             duration: number | null;
-            parameters: components["schemas"]["ModuleParameter"][];
             needs: components["schemas"]["SkillCondition"][];
-            pre: components["schemas"]["SkillCondition"][];
-            hold: components["schemas"]["SkillCondition"][];
-            post: components["schemas"]["SkillCondition"][];
             agents: components["schemas"]["ModulePlace"][];
         };
         StateEntry: {
@@ -8011,11 +8011,11 @@ export interface operations {
     stream_events: {
         parameters: {
             query?: {
+                after?: string | null;
                 kind?: components["schemas"]["Kind"][] | null;
                 type?: string[] | null;
                 job?: string;
                 element?: string;
-                after?: string | null;
             };
             header?: {
                 "Last-Event-ID"?: string | null;
@@ -8046,12 +8046,12 @@ export interface operations {
     list_events: {
         parameters: {
             query?: {
+                after?: string | null;
+                limit?: number;
                 kind?: components["schemas"]["Kind"][] | null;
                 type?: string[] | null;
                 job?: string;
                 element?: string;
-                after?: string | null;
-                limit?: number;
             };
             header?: never;
             path?: never;

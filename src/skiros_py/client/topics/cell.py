@@ -6,13 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from skiros_py.api import alarms, modules, robots, scenes
 from skiros_py.client.operation import C, Topic, call, operation
 from skiros_py.client.request import Call, path_of
 
-Command = Literal["pause", "resume", "step", "stop"]
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -213,7 +212,7 @@ class Modules(Topic[C]):
         """Sets the nodes before which a run pauses, replacing earlier ones; the command "resume" continues it."""
 
     @call
-    def command(self, run: str, command: Command) -> Call[modules.ModuleRunInfo]:
+    def command(self, run: str, command: modules.RunCommand) -> Call[modules.ModuleRunInfo]:
         """Pauses, resumes, single-steps (one cycle) or stops a run."""
         path = path_of("module-runs", run, command)
         return Call("POST", path, modules.ModuleRunInfo, repeatable=command != "step")

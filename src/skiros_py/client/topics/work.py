@@ -16,10 +16,10 @@ from typing import Any, overload
 import httpx2
 
 from skiros_py.api import documents, goals, jobs, previews, tasks
+from skiros_py.api.modules import RunCommand
 from skiros_py.api.view import Replay
 from skiros_py.client.operation import AsyncSender, C, Sender, Topic, as_json, call, operation, tag
 from skiros_py.client.request import Call, TookTooLong, Unreachable, path_of
-from skiros_py.client.topics.cell import Command
 
 _FIRST, _LONGEST = 0.05, 1.0
 """First and longest polling interval [s]."""
@@ -443,7 +443,7 @@ class Tasks(Topic[C]):
         """Returns the trace of a task."""
 
     @call
-    def command(self, name: str, command: Command) -> Call[tasks.TaskInfo]:
+    def command(self, name: str, command: RunCommand) -> Call[tasks.TaskInfo]:
         """Pauses, resumes, single-steps or stops a task."""
         return Call("POST", path_of("tasks", name, command), tasks.TaskInfo, repeatable=command != "step")
 

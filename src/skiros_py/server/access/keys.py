@@ -14,10 +14,12 @@ from pathlib import Path
 
 from skiros_py.api.server import ApiKey
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
+from skiros_py.errors import Busy, UsageError, WrongState
 from skiros_py.messages import Message
 from skiros_py.server.access.roles import LOCAL, Role
+from skiros_py.station.requests import find
 
+_UNKNOWN = "UnknownKey"
 FILE = "access.db"
 """Name of the file in a data directory."""
 
@@ -182,14 +184,13 @@ class KeyStore:
             open_to_others: True if other machines can reach the server: the last key of an administrator is then kept.
 
         Raises:
-            UnknownName: There is no such key.
+            NotFound: There is no such key.
             WrongState: It is the last key that can create keys.
         """
         with self._writes.transaction(f"key {key_id}, revoked") as connection:
             keys = {key.id: key for key in self._writes.readable(connection.execute(_SELECT).fetchall(), _key)}
-            if key_id not in keys:
-                raise UnknownName("key", key_id, list(keys))
-            if open_to_others and keys[key_id].role is Role.ADMIN and not _another_admin(keys, key_id):
+            role = find("key", key_id, keys, _UNKNOWN).role
+            if open_to_others and role is Role.ADMIN and not _another_admin(keys, key_id):
                 raise WrongState(
                     "that is the last key of an administrator; without it no key can be created from another machine:"
                     " create another one first, or use 'skiros key revoke' on the server"
@@ -205,12 +206,9 @@ class KeyStore:
         """Returns a key.
 
         Raises:
-            UnknownName: There is no such key.
+            NotFound: There is no such key.
         """
-        keys = self._now()
-        if key_id not in keys:
-            raise UnknownName("key", key_id, list(keys))
-        return keys[key_id]
+        return find("key", key_id, self._now(), _UNKNOWN)
 
     @property
     def needed(self) -> bool:

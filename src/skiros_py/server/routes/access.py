@@ -14,7 +14,6 @@ from skiros_py.server.access.keys import shown
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Act, Admin, Anybody, Caller, Role, ViewerOrMes
 from skiros_py.server.problems import topic_router
-from skiros_py.station.requests import addressed
 
 router = topic_router("access", "/audit")
 
@@ -80,8 +79,7 @@ def get_key(act: Admin, key_id: KeyId) -> ApiKey:
 
     Returns a key.
     """
-    with addressed("UnknownKey"):
-        return shown(act.services.keys.key(key_id))
+    return shown(act.services.keys.key(key_id))
 
 
 @keys_router.delete("/{key_id}")
@@ -92,8 +90,7 @@ def revoke_key(act: Admin, key_id: KeyId) -> ApiKey:
 
     If other machines can reach the server, the last admin key cannot be revoked.
     """
-    with addressed("UnknownKey"):
-        return shown(act.services.keys.revoke(key_id, open_to_others=not act.services.settings.is_local))
+    return shown(act.services.keys.revoke(key_id, open_to_others=not act.services.settings.is_local))
 
 
 session_router = topic_router("access", "/session")

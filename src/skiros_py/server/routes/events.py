@@ -6,7 +6,7 @@ import json
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import Header, Path, Query
+from fastapi import Depends, Header, Path, Query
 
 from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.view import StationState
@@ -42,6 +42,27 @@ LastSeen = Annotated[
     str | None, Header(alias="Last-Event-ID", max_length=100, description="Id of the last event seen.")
 ]
 
+
+async def _choice(
+    act: ViewerOrMes, kind: Kinds = None, type_: Types = None, job: JobId = "", element: ElementId = ""
+) -> Choice:
+    """Returns which events somebody wants.
+
+    Raises:
+        Problem: They may not hear of them.
+    """
+    may = _OF_MES if act.caller.role is Role.MES and not job else EVERYTHING.kinds
+    wanted = frozenset(kind or may)
+    if not wanted <= may:
+        allowed = ", ".join(sorted(may))
+        raise Problem(
+            403, "RoleTooLow", f"{act.caller.name} is {act.caller.role}, and hears of {allowed}; or name a job"
+        )
+    return Choice(wanted, frozenset(type_ or ()), job, element)
+
+
+ChoiceDep = Annotated[Choice, Depends(_choice)]
+
 _STREAM: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "Server-sent events: `event` is the kind, `id` its place, `data` an event as JSON (or, where"
@@ -61,10 +82,7 @@ _ENDLESS = {"x-endless": True}
 )
 async def stream_events(
     act: ViewerOrMes,
-    kind: Kinds = None,
-    type_: Types = None,
-    job: JobId = "",
-    element: ElementId = "",
+    choice: ChoiceDep,
     after: After = None,
     last_event_id: LastSeen = None,
 ) -> EventStream:
@@ -74,17 +92,13 @@ async def stream_events(
 
     If events are missing, the stream begins with a `reset`, which says why and what to read again.
     """
-    choice = _choice(act.caller, kind, type_, job, element)
     return _stream(act.services, act.caller, choice, _first_given(last_event_id, after))
 
 
 @router.get("/events/recent")
 def list_events(
     act: ViewerOrMes,
-    kind: Kinds = None,
-    type_: Types = None,
-    job: JobId = "",
-    element: ElementId = "",
+    choice: ChoiceDep,
     after: After = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> EventPage:
@@ -92,7 +106,6 @@ def list_events(
 
     Lists events after a position, oldest first, for clients that cannot keep a stream open; by default, all kept.
     """
-    choice = _choice(act.caller, kind, type_, job, element)
     log = act.services.station.events
     place = log.first - 1 if not after else find_position(log, after)
     if isinstance(place, ResetInfo):
@@ -159,20 +172,6 @@ def get_state(act: Viewer) -> StationState:
     Returns the current state of all robots.
     """
     return StationState.model_validate(act.services.station.live.state(act.services.station.session))
-
-
-def _choice(caller: Caller, kinds: list[Kind] | None, types: list[str] | None, job: str, element: str) -> Choice:
-    """Returns which events somebody wants.
-
-    Raises:
-        Problem: They may not hear of them.
-    """
-    may = _OF_MES if caller.role is Role.MES and not job else EVERYTHING.kinds
-    wanted = frozenset(kinds or may)
-    if not wanted <= may:
-        allowed = ", ".join(sorted(may))
-        raise Problem(403, "RoleTooLow", f"{caller.name} is {caller.role}, and hears of {allowed}; or name a job")
-    return Choice(wanted, frozenset(types or ()), job, element)
 
 
 def _first_given(*places: str | None) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import Path, Query
 
@@ -14,7 +14,6 @@ router = topic_router("modules")
 
 Id = Annotated[str, Path(max_length=200)]
 RunId = Annotated[str, Path(alias="id", max_length=200)]
-Command = Literal["pause", "resume", "step", "stop"]
 
 
 @router.get("/managers")
@@ -146,7 +145,7 @@ def set_breakpoints(act: Engineer, run: RunId, request: api.SetBreakpoints) -> a
 
 
 @router.post("/module-runs/{id}/{command}")
-def command_module_run(act: Engineer, run: RunId, command: Command) -> api.ModuleRunInfo:
+def command_module_run(act: Engineer, run: RunId, command: api.RunCommand) -> api.ModuleRunInfo:
     """Command a run.
 
     Pauses or resumes a run, executes one cycle of a paused run, or stops it immediately.

@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 from skiros_py.api.queries import Query, QueryAnswer
 from skiros_py.server.access.roles import Engineer
 from skiros_py.server.problems import Problem, also_refused, topic_router
-from skiros_py.station.world.service import Answer
+from skiros_py.station.world.ontology import Answer
 
 router = topic_router("queries")
 

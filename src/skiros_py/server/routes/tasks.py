@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import Path, Query
 
+from skiros_py.api.modules import RunCommand
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.server.access.roles import Operator, Viewer
 from skiros_py.server.problems import topic_router
@@ -13,7 +14,6 @@ from skiros_py.server.problems import topic_router
 router = topic_router("tasks")
 
 Name = Annotated[str, Path(max_length=200, examples=["task 1"])]
-Command = Literal["pause", "resume", "step", "stop"]
 
 
 @router.get("/tasks")
@@ -73,7 +73,7 @@ def get_task_trace(
 
 
 @router.post("/tasks/{name}/{command}")
-def command_task(act: Operator, name: Name, command: Command) -> TaskInfo:
+def command_task(act: Operator, name: Name, command: RunCommand) -> TaskInfo:
     """Command a task.
 
     Pauses or resumes a task, executes one step, or stops it, from the next control cycle on.

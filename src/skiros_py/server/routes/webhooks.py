@@ -18,7 +18,6 @@ from skiros_py.server.problems import Problem, topic_router
 from skiros_py.server.services import Services
 from skiros_py.server.webhooks.sender import resolve, target_of
 from skiros_py.server.webhooks.store import Subscription, new_secret
-from skiros_py.station.requests import addressed
 
 router = topic_router("webhooks", "/webhooks")
 
@@ -27,8 +26,6 @@ Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery
 Limit = Annotated[int, Query(ge=1, le=1000)]
 Cursor = Annotated[str | None, Query(max_length=120)]
 _CURSOR = re.compile(r"\d{1,18}\.\w+", re.ASCII)
-
-_UNKNOWN = "UnknownWebhook"
 
 
 @router.get("")
@@ -69,8 +66,7 @@ def get_webhook(act: Admin, webhook: WebhookId) -> api.Webhook:
 
     Returns a webhook without its key.
     """
-    with addressed(_UNKNOWN):
-        return _shown(act.services, act.services.webhooks.subscription(webhook))
+    return _shown(act.services, act.services.webhooks.subscription(webhook))
 
 
 @router.patch("/{webhook}")
@@ -80,8 +76,7 @@ def change_webhook(act: Admin, webhook: WebhookId, change: api.WebhookChange) ->
     Changes the events that a webhook receives, or suspends it; events are kept for it meanwhile.
     """
     _check_states(change.states or ())
-    with addressed(_UNKNOWN):
-        changed = act.services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
+    changed = act.services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
     act.services.send_webhooks()
     return _shown(act.services, changed)
 
@@ -92,8 +87,7 @@ def delete_webhook(act: Admin, webhook: WebhookId) -> None:
 
     Deletes a webhook with its pending deliveries.
     """
-    with addressed(_UNKNOWN):
-        act.services.webhooks.remove(webhook)
+    act.services.webhooks.remove(webhook)
 
 
 @router.post("/{webhook}/ping", status_code=202)
@@ -102,8 +96,7 @@ def ping_webhook(act: Admin, webhook: WebhookId) -> None:
 
     Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived.
     """
-    with addressed(_UNKNOWN):
-        act.services.webhooks.ping(webhook, time.time())
+    act.services.webhooks.ping(webhook, time.time())
     act.services.send_webhooks()
     act.locate("webhooks", webhook, "deliveries")
 
@@ -123,8 +116,7 @@ def list_deliveries(
     Parameters:
         state: Only deliveries in this state.
     """
-    with addressed(_UNKNOWN):
-        act.services.webhooks.subscription(webhook)
+    act.services.webhooks.subscription(webhook)
     return _page(act.services, webhook, state, cursor, limit)
 
 
@@ -134,10 +126,7 @@ def redeliver(act: Admin, webhook: WebhookId, number: Number) -> None:
 
     Sends a message again that was given up.
     """
-    with addressed(_UNKNOWN):
-        act.services.webhooks.subscription(webhook)
-    with addressed("UnknownDeadLetter"):
-        act.services.webhooks.redeliver(webhook, number, time.time())
+    act.services.webhooks.redeliver(webhook, number, time.time())
     act.services.send_webhooks()
 
 

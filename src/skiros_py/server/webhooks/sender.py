@@ -119,7 +119,6 @@ class WebhookSender:
         allowed: Hosts to which messages may be sent.
         on_dead: Called with each message that is given up.
         patience: Intervals and limits of delivery attempts.
-        clock: Returns the wall time [s since 1970].
     """
 
     def __init__(
@@ -131,7 +130,6 @@ class WebhookSender:
         *,
         on_dead: Callable[[Post, str], None] = lambda _post, _why: None,
         patience: Patience = Patience(),
-        clock: Callable[[], float] = time.time,
     ) -> None:
         self._store = store
         self._session = session
@@ -140,7 +138,6 @@ class WebhookSender:
         self._allowed = allowed
         self._on_dead = on_dead
         self._patience = patience
-        self._clock = clock
         self._loop: asyncio.AbstractEventLoop | None = None
         self._news: asyncio.Event | None = None
         self._ending = False
@@ -198,7 +195,7 @@ class WebhookSender:
 
     async def _serve(self, client: httpx2.AsyncClient, subscription: Subscription) -> float:
         """Starts the messages due of one subscription; returns the time until the next check [s]."""
-        now = self._clock()
+        now = time.time()
         again = self._unreachable.get(subscription.id, (0, 0.0))[1]
         if again > now:
             return again - now
@@ -245,7 +242,7 @@ class WebhookSender:
 
     async def _send(self, client: httpx2.AsyncClient, subscription: Subscription, post: Post) -> None:
         status, error, reached = await self._try(client, subscription, post)
-        now = self._clock()
+        now = time.time()
         if reached:
             self._unreachable.pop(post.webhook, None)
         else:
@@ -272,7 +269,7 @@ class WebhookSender:
         try:
             target = target_of(subscription.url, self._allowed)
             address = await asyncio.to_thread(resolve, target)
-            signature = signed(subscription.secret, post.event, post.body, self._clock())
+            signature = signed(subscription.secret, post.event, post.body, time.time())
             request = client.build_request(
                 "POST",
                 target.copy_with(host=str(address)),

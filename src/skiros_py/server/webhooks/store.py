@@ -17,9 +17,10 @@ from standardwebhooks import Webhook as Signer
 
 from skiros_py.api.webhooks import Delivery, DeliveryState, Webhook
 from skiros_py.database import COUNTED, Database, Schema
-from skiros_py.errors import Busy, UnknownName
+from skiros_py.errors import Busy
 from skiros_py.messages import Message
 from skiros_py.station.jobs.views import Announcement, state_name
+from skiros_py.station.requests import find
 
 JOB_STATE = "io.skiros.job.state.v1"
 PING = "io.skiros.ping.v1"
@@ -155,10 +156,7 @@ class WebhookStore:
         Raises:
             UnknownName: There is none with this id.
         """
-        known = {one.id: one for one in self.subscriptions}
-        if webhook not in known:
-            raise UnknownName("webhook", webhook, known)
-        return known[webhook]
+        return find("webhook", webhook, {one.id: one for one in self.subscriptions}, "UnknownWebhook")
 
     def add(self, subscription: Subscription, seen: int) -> None:
         """Adds a subscription.
@@ -241,7 +239,7 @@ class WebhookStore:
         """Queues a test message; returns its number.
 
         Raises:
-            UnknownName: There is no such webhook.
+            NotFound: There is no such webhook.
         """
         self.subscription(webhook)
         with self._database.transaction(f"webhook {webhook}: a ping") as connection:
@@ -315,8 +313,9 @@ class WebhookStore:
             now: Wall time, from which it is attempted for another day [s since 1970].
 
         Raises:
-            UnknownName: There is no such dead letter.
+            NotFound: There is no such dead letter.
         """
+        self.subscription(webhook)
         with self._database.transaction(f"webhook {webhook}: message {number} is sent again") as connection:
             changed = connection.execute(
                 "UPDATE deliveries SET state = 'pending', next_try = 0, attempts = 0, since = ?, error = ''"
@@ -329,9 +328,8 @@ class WebhookStore:
                 )
                 connection.execute(_HEAD, {"webhook": webhook, "job": job})
         if not changed:
-            raise UnknownName(
-                "dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", None, 100)]
-            )
+            dead = {str(post.number): post for post in self.posts(webhook, "dead", None, 100)}
+            find("dead letter", str(number), dead, "UnknownDeadLetter")
 
     # ------------------------------------------------------------------ queries
 

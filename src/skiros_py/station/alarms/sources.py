@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.errors import FileError
@@ -31,6 +32,9 @@ _OF_SESSION = (
     AlarmKind.DISK,
 )
 """These end with the session; what is still so in the next one is raised again."""
+_HALTED = partial(Message, "everything was halted ({why}): look, then reset")
+_PAUSED = partial(Message, "everything is paused, and goes on by itself once this has ended: {why}")
+_LOST = partial(Message, "the skill manager of {agent} is lost: {why}")
 _SELDOM = 200
 """Cycles between two looks at what seldom changes."""
 
@@ -52,8 +56,7 @@ class AlarmSources:
         self._control = control
         self._records = records
         self._session = session
-        self._halted = self._disk = ""
-        self._lost: set[str] = set()
+        self._shown: dict[tuple[AlarmKind, str], str] = {}
         self._asked: dict[int, str] = {}
         self._waiting: dict[str, Job] = {}
         alarms.clear_all(AlarmKind.STATION)
@@ -91,11 +94,10 @@ class AlarmSources:
 
     def _look(self) -> None:
         """Looks for what no listener reports; usually a few comparisons."""
-        session = self._session
-        if session.cycle.halted != self._halted:
-            self._look_at_halt()
-        if session.jobs.fault != self._disk:
-            self._look_at_disk()
+        session, halted = self._session, self._session.cycle.halted
+        if self._show(AlarmKind.HALTED, "", "" if halted == CLOSING else halted, _HALTED) and not halted:
+            self._alarms.clear(AlarmKind.CYCLE)
+        self._show(AlarmKind.DISK, "", session.jobs.fault, _PAUSED)
         if session.questions.open or self._asked:
             self._look_at_questions()
         cycle = session.cycle.board.snapshot.cycle
@@ -104,26 +106,19 @@ class AlarmSources:
             self._look_at_records()
         for agent in session.managers:
             manager = session.managers.get(agent)
-            if manager is not None and bool(manager.lost) != (agent in self._lost):
-                self._note_manager(agent, manager.lost)
+            if manager is not None:
+                self._show(AlarmKind.MANAGER, agent, manager.lost, _LOST, agent=agent)
 
-    def _look_at_halt(self) -> None:
-        self._halted = self._session.cycle.halted
-        if self._halted == CLOSING:  # that is no halt
-            return
-        if self._halted:
-            text = Message("everything was halted ({why}): look, then reset", why=self._halted)
-            self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
+    def _show(self, kind: AlarmKind, source: str, why: str, text: Callable[..., Message], **values: str) -> bool:
+        """Raises the alarm of a state, or clears it where there is no reason for it; returns whether that is new."""
+        if why == self._shown.get((kind, source), ""):
+            return False
+        self._shown[kind, source] = why
+        if why:
+            self._alarms.raise_(kind, text(why=why, **values), source, severity=Severity.HIGH)
         else:
-            self._alarms.clear_all(AlarmKind.HALTED, AlarmKind.CYCLE)
-
-    def _look_at_disk(self) -> None:
-        self._disk = self._session.jobs.fault
-        if self._disk:
-            text = Message("everything is paused, and goes on by itself once this has ended: {why}", why=self._disk)
-            self._alarms.raise_(AlarmKind.DISK, text, severity=Severity.HIGH)
-        else:
-            self._alarms.clear(AlarmKind.DISK)
+            self._alarms.clear(kind, source)
+        return True
 
     def _look_at_questions(self) -> None:
         """Questions of jobs are alarms of those jobs; the others are alarms of their own."""
@@ -154,15 +149,6 @@ class AlarmSources:
                 reason=fault.reason,
             )
             self._alarms.raise_(AlarmKind.RECORD, text, name, severity=Severity.HIGH)
-
-    def _note_manager(self, agent: str, lost: str) -> None:
-        if lost:
-            self._lost.add(agent)
-            text = Message("the skill manager of {agent} is lost: {why}", agent=agent, why=lost)
-            self._alarms.raise_(AlarmKind.MANAGER, text, agent, severity=Severity.HIGH)
-        else:
-            self._lost.discard(agent)
-            self._alarms.clear(AlarmKind.MANAGER, agent)
 
     def _look_at_plugins(self) -> None:
         faults = {f"{fault.group}/{fault.name}": str(fault) for fault in by_cause(self._session.catalogue.faults)}
@@ -215,8 +201,7 @@ class AlarmSources:
 
     def _overrun(self, overrun: Overrun) -> None:
         """In the watchdog's thread: the control thread cannot tell itself."""
-        text = Message("everything was halted ({why}): look, then reset", why=overrun)
-        self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
+        self._alarms.raise_(AlarmKind.HALTED, _HALTED(why=overrun), severity=Severity.HIGH)
 
     def _stuck(self, task: WatchedTask) -> None:
         """In the watchdog's thread."""

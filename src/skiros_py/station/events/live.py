@@ -6,9 +6,8 @@ from typing import Any
 
 from skiros_py.geometry import Pose
 from skiros_py.station.events.log import as_text
+from skiros_py.station.robots.asked import Motions, Observations
 from skiros_py.station.robots.devices import device_state
-from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.observations import Observations
 from skiros_py.station.session import Session
 
 _RATE = 20.0
@@ -29,7 +28,6 @@ class LiveState:
         self._session: Session | None = None
         self._tick = -1
         self._text = ""
-        self.built = 0
 
     def open(self, session: Session) -> None:
         """Shows this session from now on."""
@@ -56,7 +54,6 @@ class LiveState:
             return ""
         if tick != self._tick or not self._text:
             self._tick, self._text = tick, as_text(self.state(session))
-            self.built += 1
         return self._text
 
 

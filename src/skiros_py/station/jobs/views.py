@@ -153,13 +153,12 @@ def plan_of(job: Job, trace: Trace) -> api.JobPlan:
 
 def report_of(job: Job, trace: Trace, now: float) -> api.JobReport:
     """Returns the result of a job in the form of the report of a run of one goal."""
-    conditions = _conditions(job)
     ended = job.ended or now
-    return api.JobReport(
-        id=job.id,
+    return api.JobReport.view_of(
+        job,
         outcome=None if job.outcome is None else job.outcome.value,
-        reached=bool(conditions) and all(condition.reached for condition in conditions),
-        conditions=conditions,
+        reached=bool(job.actuals) and all(condition.reached for condition in job.actuals),
+        conditions=job.actuals,
         steps=tuple(_step(entry) for entry in trace if entry["what"] in _ENDS),
         no_plan=job.reasons,
         seconds=None if job.started is None else max(0.0, ended - job.started),
@@ -170,24 +169,14 @@ def explanation_of(job: Job, trace: Trace) -> api.JobExplanation:
     """Returns why there is no plan for a job; empty if there is one, or planning has not started."""
     refused = _last(trace, TraceEventKind.NO_PLAN)
     planned = _last(trace, TraceEventKind.PLANNED)
-    missing = tuple(condition for condition in _conditions(job) if not condition.reached)
+    missing = tuple(condition for condition in job.actuals if not condition.reached)
     if refused is None or (planned is not None and trace.index(planned) > trace.index(refused)):
-        return api.JobExplanation(reasons=job.reasons, causes=(), repairs=(), conditions=missing)
-    data = refused["data"]
-    return api.JobExplanation(
-        reasons=tuple(data["reasons"]),
-        causes=tuple(data.get("causes", ())),
-        repairs=tuple(data.get("repairs", ())),
-        conditions=missing,
-    )
+        return api.JobExplanation.view_of(job, causes=(), repairs=(), conditions=missing)
+    return api.JobExplanation(**{"causes": (), "repairs": (), **refused["data"], "conditions": missing})
 
 
 def _last(trace: Trace, what: TraceEventKind) -> Mapping[str, Any] | None:
     return next((entry for entry in reversed(trace) if entry["what"] == what.value), None)
-
-
-def _conditions(job: Job) -> tuple[api.ConditionActual, ...]:
-    return tuple(map(api.ConditionActual.view_of, job.actuals))
 
 
 def _steps(plan: Mapping[str, Any]) -> tuple[api.PlannedStep, ...]:

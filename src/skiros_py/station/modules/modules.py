@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any, Literal
+from typing import Any
 
 from skiros_py.api import modules as api
 from skiros_py.catalogue import survey
@@ -166,7 +166,7 @@ class ModuleService(Service):
         """
         return views.run_info(self._station.module_runs.find(id_))
 
-    def command_run(self, id_: str, command: Literal["pause", "resume", "step", "stop"]) -> api.ModuleRunInfo:
+    def command_run(self, id_: str, command: api.RunCommand) -> api.ModuleRunInfo:
         """Pauses, resumes or stops a run, or executes one cycle of a paused run.
 
         Raises:

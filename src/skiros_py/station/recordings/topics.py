@@ -20,7 +20,7 @@ from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, from_above, over
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.topic import Topic
 from skiros_py.recording.writer import Write
-from skiros_py.station.robots.observations import points_of
+from skiros_py.station.robots.asked import points_of
 from skiros_py.station.session import Session
 from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change

@@ -327,16 +327,9 @@ def _fixed(view: Index, edits: tuple[Edit, ...]) -> Iterator[str]:
 
 def _touched(view: Index, edits: tuple[Edit, ...], *kinds: type[Edit]) -> set[str]:
     """Returns the existing elements with changes that may affect a body."""
-    named: set[str] = set()
-    for edit in edits:
-        if kinds and not isinstance(edit, kinds):
-            continue
-        if isinstance(edit, PropertyEdit) and edit.property == v.LABEL:
-            continue
-        if isinstance(edit, RelationEdit):
-            named.add(edit.subject)
-        elif isinstance(edit, ElementEdit | PlacementEdit | PropertyEdit):
-            named.add(edit.element)
+    relevant = (edit for edit in edits if not kinds or isinstance(edit, kinds))
+    told = (edit for edit in relevant if not (isinstance(edit, PropertyEdit) and edit.property == v.LABEL))
+    named = {name for edit in told for name in edit.marks()[:1]}  # of a relation its subject
     return {n for name in named for n in (name, *_riders(view, name)) if view.has(n) and not is_abstract(n)}
 
 

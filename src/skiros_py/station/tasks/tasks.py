@@ -7,8 +7,9 @@ import time
 from collections import OrderedDict, deque
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
+from skiros_py.api.modules import RunCommand
 from skiros_py.api.tasks import NewTask, TaskInfo, TaskReport, Tasks, TaskStep, TaskTrace
 from skiros_py.errors import Refused, WrongState
 from skiros_py.messages import Message
@@ -246,9 +247,7 @@ class TaskService(Service):
         """
         return self._find(name).trace(limit)
 
-    def command(
-        self, name: str, command: Literal["pause", "resume", "step", "stop"], author: Author = LIBRARY
-    ) -> TaskInfo:
+    def command(self, name: str, command: RunCommand, author: Author = LIBRARY) -> TaskInfo:
         """Commands a task; takes effect in the next control cycle.
 
         Raises:

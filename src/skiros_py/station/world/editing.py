@@ -94,9 +94,7 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
 def undoable(world: World) -> Undoable | None:
     """Returns the edit that an undo would revert."""
     head = _journal(world).undoable_entry()
-    if head is None:
-        return None
-    return Undoable.view_of(head.change)
+    return None if head is None else Undoable.view_of(head.change)
 
 
 def redoable(world: World) -> Undoable | None:

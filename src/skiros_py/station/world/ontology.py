@@ -1,18 +1,218 @@
-"""The ontology for people and forms: classes with the properties of their elements, and where they are used."""
+"""Use cases of the ontology: classes, relations, properties and places; and queries in SPARQL."""
 
 from __future__ import annotations
 
+import csv
+import io
+import threading
 from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+from itertools import islice
+from typing import Any
 
 from skiros_py.api import ontology as api
+from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationInfoPage
+from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.catalogue import Catalogue
-from skiros_py.station.world.values import plain
+from skiros_py.errors import Busy, DeviceError, UsageError
+from skiros_py.messages import Message
+from skiros_py.station.requests import Service, addressed, admitted
+from skiros_py.station.session import Session
+from skiros_py.station.world.placements import placement_options
+from skiros_py.station.world.values import given, plain
+from skiros_py.world.element import Value
 from skiros_py.world.index import Index
-from skiros_py.world.literals import DATATYPES
+from skiros_py.world.literals import DATATYPES, format_value
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.queries.answering import Binding, Constructed, Result, Table, Text
+from skiros_py.world.queries.outside import OutsideQueries
+from skiros_py.world.queries.replica import Limits
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Property, Relation
 from skiros_py.world.vocabulary import ELEMENT
+
+
+class Answer:
+    """The answer to a query.
+
+    Args:
+        result: The result from the world model.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+
+    def data(self) -> dict[str, Any]:
+        """Returns the answer as plain data."""
+        result = self.result
+        if isinstance(result, bool):
+            return {"form": "ASK", "answer": result}
+        if isinstance(result, Table):
+            rows = [{name: plain(value) for name, value in row.items()} for row in result.rows]
+            return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
+        statements = [[subject, predicate, plain(value)] for subject, predicate, value in result.statements]
+        return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
+
+    def csv(self, line_end: str = "\r\n") -> str | None:
+        """Returns the rows as CSV; None if the query is not SELECT, which alone has rows."""
+        if not isinstance(self.result, Table):
+            return None
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator=line_end)
+        writer.writerow(self.result.variables)
+        writer.writerows([shown_value(row[name]) for name in self.result.variables] for row in self.result.rows)
+        return text.getvalue()
+
+    def turtle(self) -> str | None:
+        """Returns the triples as Turtle; None if the query is not CONSTRUCT, which alone has triples."""
+        return self.result.turtle if isinstance(self.result, Constructed) else None
+
+
+def shown_value(value: Value | None) -> str:
+    """Returns a value as text; empty for None."""
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else format_value(value)
+
+
+_LIMITS = Limits()
+
+
+class Queries:
+    """Answers queries about the world of the current session.
+
+    Args:
+        limits: Resource limits of one query.
+    """
+
+    def __init__(self, limits: Limits = _LIMITS) -> None:
+        self._limits = limits
+        self._turns = threading.BoundedSemaphore(limits.at_once)
+        self._outside: OutsideQueries | None = None
+
+    def answer(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        """Answers a query.
+
+        Args:
+            sparql: The query.
+            bindings: Values of its parameters.
+            entailed: True to include triples entailed by OWL.
+            time_limit: Maximum duration [s].
+
+        Raises:
+            UsageError: It cannot be answered, or not within its limits; the text gives the reason.
+            Busy: Too many queries are being answered already, or the station is being opened.
+        """
+        full = Message("{count} questions are being answered already: ask again later", count=self._limits.at_once)
+        with admitted(self._turns, full):
+            outside = self._outside
+            if outside is None:
+                raise Busy(Message("the station is not running: ask again later"))
+            try:
+                return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
+            except DeviceError:
+                if self._outside is outside:
+                    raise
+                raise Busy(Message("the station was closed meanwhile: ask again later")) from None
+
+    def open(self, session: Session) -> None:
+        """Answers queries about a session's world from now on."""
+        self._outside = OutsideQueries(session.world, self._limits)
+        session.on_close(self._outside.close, self._leave)
+
+    def _leave(self) -> None:
+        self._outside = None
+
+
+class OntologyService(Service):
+    """Describes the ontology, and answers queries over all knowledge."""
+
+    def classes(self, root: str = ELEMENT, depth: int = 50) -> ClassNode:
+        """Returns the classes as a tree; a class with several parents is below its primary one.
+
+        Raises:
+            NotFound: There is no such class.
+        """
+        with addressed():
+            return class_tree(self._world.snapshot(), root, depth)
+
+    def class_(self, name: str) -> ClassDetails:
+        """Describes a class: properties of its elements, their number, and the arguments that accept them.
+
+        Raises:
+            NotFound: There is no such class.
+        """
+        session = self._station.session
+        with addressed():
+            return class_details(session.world.snapshot(), name, session.catalogue)
+
+    def relations(self, limit: int = 1000, after: str = "") -> RelationInfoPage:
+        """Lists relations by name, with the classes at their ends."""
+        view = self._world.snapshot()
+        names, more = _page(view.ontology.relations, limit, after)
+        return RelationInfoPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
+
+    def properties(self, limit: int = 1000, after: str = "") -> PropertyPage:
+        """Lists properties by name, with data type and unit."""
+        ontology = self._world.ontology
+        names, more = _page(ontology.properties, limit, after)
+        return PropertyPage(items=[property_info(ontology.properties[name]) for name in names], next=more)
+
+    def placements(
+        self,
+        class_: str | None = None,
+        element: str | None = None,
+        relation: str | None = None,
+        limit: int = 50,
+        after: str | None = None,
+    ) -> PlacementOptions:
+        """Returns the possible placement relations of an element, and whether each place would accept it now.
+
+        Args:
+            class_: Class of a new element.
+            element: Id of an existing element, instead of a class.
+            relation: Only this relation.
+            limit: Maximum number of places for each relation.
+            after: Only places after this one; requires a relation.
+
+        Raises:
+            UsageError: Neither or both of class and element are given.
+        """
+        if (class_ is None) == (element is None):
+            raise UsageError("say what is to be put somewhere: either class=kitting:Starter or element=starter_1")
+        if after is not None and relation is None:
+            raise UsageError("a cursor goes on with the places of one relation: give relation=sk:in, too")
+        view = self._world.snapshot()
+        what = view.element(element).type if element is not None else class_
+        assert what is not None
+        view.ontology.ancestors(what)
+        skills = self._station.session.tasks.skills.values()
+        return placement_options(view, what, element, limit, relation, after or "", skills)
+
+    def query(self, question: Query) -> Answer:
+        """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.
+
+        Raises:
+            UsageError: It cannot be parsed, or takes too long.
+            Busy: Too many queries are being answered.
+        """
+        bindings = {name: _binding(value) for name, value in question.bindings.items()}
+        ask = self._station.query_worker.answer
+        return Answer(ask(question.query, bindings, entailed=question.entailed, time_limit=question.time_limit))
+
+
+def _page(names: Iterable[str], limit: int, after: str) -> tuple[list[str], str | None]:
+    found = list(islice((name for name in sorted(names) if name > after), limit + 1))
+    return found[:limit], found[limit - 1] if len(found) > limit else None
+
+
+def _binding(value: Bound) -> Binding:
+    if isinstance(value, TextLiteral):
+        return Text(value.text)
+    if isinstance(value, DecimalLiteral):
+        return Decimal(value.decimal)
+    return given(value)
+
 
 _MOST_SHOWN = 100
 """Maximum number of individuals returned with a class."""

@@ -15,7 +15,7 @@ from skiros_py.devices.mobile_base import BaseState
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import LibraryCall
 from skiros_py.geometry import Pose
-from skiros_py.station.robots.motions import Motions
+from skiros_py.station.robots.asked import Motions
 from skiros_py.station.session import Options, Session
 
 pytestmark = pytest.mark.physics

@@ -25,7 +25,7 @@ from skiros_py.ports.perception import (
 )
 from skiros_py.ports.perception import RegistrationResult as Registered
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Done, Snapshot
-from skiros_py.station.robots.observations import MOST_POINTS, Observations
+from skiros_py.station.robots.asked import MOST_POINTS, Observations
 from skiros_py.station.session import Options, Session
 
 DOWN = Pose.of(1.0, 2.0, 1.5, roll=np.pi)

@@ -1,4 +1,4 @@
-"""For those who keep the server running: is it alive, is it ready, and its figures. Not below ``/api/v1``."""
+"""For those who keep the server running: its health and figures, not below ``/api/v1``, and its data directory."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import shutil
 from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 
-from skiros_py.api.server import Health, Readiness
-from skiros_py.server.access.roles import Anybody, Viewer
-from skiros_py.server.problems import PROBLEMS
+from skiros_py.api.server import Backup, BackupOrder, DataFinding, DataFindings, Health, Readiness
+from skiros_py.server.access.audit import audit_findings
+from skiros_py.server.access.roles import Admin, Anybody, Viewer
+from skiros_py.server.problems import PROBLEMS, topic_router
 from skiros_py.station.station import Station
 
 router = APIRouter(tags=["operation"], generate_unique_id_function=lambda route: route.name)
@@ -67,3 +68,29 @@ def get_metrics(act: Viewer) -> Response:
     Returns the metrics of the server in the text format of Prometheus.
     """
     return Response(generate_latest(act.services.metrics.registry), media_type=CONTENT_TYPE_LATEST)
+
+
+data_router = topic_router("operation", "/data")
+
+
+@data_router.get("/findings")
+def check_data(act: Admin) -> DataFindings:
+    """Check the data directory.
+
+    Reads every file of the data directory, changes nothing, and returns what is wrong, where, and what to do.
+    """
+    found = act.station.files.check(audit_findings)
+    return DataFindings(items=[DataFinding.view_of(one) for one in found])
+
+
+@data_router.post("/backups", status_code=201)
+def back_up_data(act: Admin, order: BackupOrder) -> Backup:
+    """Back up the data directory.
+
+    Copies the data directory into its folder `backups`, as it is at one moment; the response is sent when it is done.
+
+    The copy is a data directory, which is checked before it is made. Move it to another disk.
+    """
+    folder, files = act.station.files.back_up(order.name)
+    names = [str(file.relative_to(folder)) for file in files]
+    return Backup(folder=str(folder), files=names, bytes=sum(file.stat().st_size for file in files))
