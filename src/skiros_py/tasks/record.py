@@ -203,7 +203,7 @@ class TaskRecord:
         if not isinstance(edit, PlacementEdit) or edit.old is None or edit.new is None:
             return False
         lost = self._view.has(edit.new.place) and self._is_a(edit.new.place, ROOT)
-        return lost and any(self._fits(edit.element, argument) for argument in condition.arguments)
+        return lost and self._concerns(condition, edit.element)
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Returns True if the step's target, or an element it moves, occurs in the condition."""
