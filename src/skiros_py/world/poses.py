@@ -101,6 +101,28 @@ def write_pose(tx: Transaction, element: str, pose: Pose | None, frame: str | No
     tx.set(element, POSE, pose)
 
 
+def move(tx: Transaction, element: str, pose: Pose) -> None:
+    """Writes where an element is in the map; what is placed on it or in it, and so on, comes along.
+
+    Raises:
+        WorldError: Where it was is not known.
+    """
+    view = tx.view
+    before = map_pose(view, element)
+    if before is None:
+        raise WorldError(f"{element} cannot be moved with what is on it: where it was is not known")
+    by, waiting, moved = pose @ before.inverse(), [element], dict[str, Pose]()
+    for one in waiting:
+        waiting += (guest for guest in view.contents(one) if guest not in waiting)
+        there = map_pose(view, one)
+        if there is not None and moved.keys().isdisjoint(frames(view, one)):
+            moved[one] = by @ there
+    for one, there in moved.items():
+        frame = next(iter(view.objects(one, POSE_FRAME)), None)
+        above = None if frame is None else map_pose(view, frame)
+        write_pose(tx, one, there if above is None else above.inverse() @ there, frame)
+
+
 def attach(tx: Transaction, element: str, frame: str | None) -> None:
     """Keeps an element's pose, but makes it move with another from now on (None: with none, fixed in the map).
 
