@@ -324,7 +324,9 @@ class DriveBase(DrivingPrimitive):
             self.emit("displaced", {"element": place.body, "distance": off, "turned": turned})
 
     def _not_there(self, place: PlaceInSight) -> Failure:
-        text = Message("{body} is not where it is believed to be, and it is not seen anywhere near", body=place.body)
+        text = Message(
+            "{body} is not where it is believed to be, and the scanner does not show where it is", body=place.body
+        )
         return Failure(text, values={"not_seen": place.body})
 
     def _back_off(self, base: Mobile) -> Execution[None]:

@@ -17,13 +17,14 @@ from shapely.geometry.polygon import orient
 
 from skiros_primitives.lookout import unexplained
 from skiros_py.devices.scanner import ScannerSpec, ScannerState
-from skiros_py.geometry import Array, Pose, Primitive, Solid, wrap_angle
+from skiros_py.geometry import Array, Pose, Primitive, Solid, rotation_matrix, wrap_angle
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.paths import floor_area
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose, obstacles, solid_of
+from skiros_py.world import vocabulary as v
 
 Flags = NDArray[np.bool_]
 
@@ -37,8 +38,8 @@ _MARGIN = 0.005
 """Rays that meet or miss a thing by less than this push its edge away, so that it comes to lie between them [m]."""
 _OUTLIER = 0.03
 """What deviates more than this counts less and less [m]."""
-_FIRST_OUTLIER = 0.2
-"""The same in the first step [m]; it falls by the factor below with each step."""
+_WIDE_OUTLIER = 0.2
+"""The same in the first step of a wider search [m]; it falls by the factor below with each step."""
 _FALL = 0.6
 _EDGE = 0.05
 """Rays that pass an edge within this tell how far a side reaches [m]."""
@@ -53,8 +54,10 @@ _RIM = 0.02
 """What is this near to the lower or upper rim of a block says nothing [m]."""
 _MANY = 100
 """So many rays show something reliably."""
-_MOST = 0.7
-"""Smallest share of the rays near a thing that end on it."""
+_FEW = 0.1
+"""Greatest share of rays that may speak against where a thing is seen."""
+_UPRIGHT = 0.999
+"""Cosine of the angle at which an axis still counts as upright."""
 _BEHIND = 0.05
 """A ray that goes on so far behind a block passed it [m]."""
 _DEEP = 0.05
@@ -99,22 +102,22 @@ class Match:
 
     Attributes:
         pose: Where they show it, in the map.
-        near: Number of rays that ended near it.
-        on: Number of those that ended on it, if it is there.
-        through: Number of rays that went through it, if it is there.
+        on: Number of rays that ended on it, if it is there.
+        against: Number of rays that ended near it, but in it or beside it.
+        through: Number of rays that went through it.
         sigma: Standard deviations of its place along its x and y axes [m], and of its heading [rad].
     """
 
     pose: Pose
-    near: int
     on: int
+    against: int
     through: int
     sigma: tuple[float, float, float]
 
     @property
     def fits(self) -> bool:
-        """True when enough rays ended on it, and few near it that did not or went through it."""
-        return self.on >= _MANY and self.on >= _MOST * self.near and self.through <= (1.0 - _MOST) * self.on
+        """True when enough rays ended on it, and few speak against that."""
+        return self.on >= _MANY and self.against + self.through <= _FEW * self.on
 
 
 class _Seen:
@@ -149,6 +152,8 @@ class _Block:
         self._normals = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.linalg.norm(sides, axis=1)[:, None]
         self._offsets = (self._normals * self._corners).sum(axis=1)
         low, high = solid.bounds()
+        upright = rotation_matrix(block.pose.orientation)[2, 2] > _UPRIGHT
+        self._axis = np.array(block.pose.position[:2]) if block.kind == "cylinder" and upright else None
         self._bottom, self._top = float(low[2]) + _RIM, float(high[2]) - _RIM
         self.radius = float(np.linalg.norm(self._corners, axis=1).max())
 
@@ -170,7 +175,7 @@ class _Block:
         deep, far = distances.max(axis=1), outside.max(axis=1)
         near = met & self._level(seen.ends[:, 2]) & (far < _NEAR) & (deep > -_NEAR)
         normals = self._normals[side]
-        return deep, np.where(near, far, np.inf), -_moved(normals, points)
+        return deep, np.where(near, far, np.inf), -self._moved(normals, points)
 
     def passed(self, seen: _Seen) -> tuple[Array, Flags, Array]:
         """Returns how the line of each ray crosses it.
@@ -189,13 +194,14 @@ class _Block:
         sign = np.where(is_left, 1.0, -1.0)
         inside = sign * np.take_along_axis(aside, corner[:, None], axis=1)[:, 0]
         beyond = (first > 0.0) & level & (seen.length > last + _BEHIND)
-        return inside, beyond, sign[:, None] * _moved(left, self._corners[corner])
+        return inside, beyond, sign[:, None] * self._moved(left, self._corners[corner])
 
-
-def _moved(normals: Array, points: Array) -> Array:
-    """Returns how far points move along normals where their frame moves along x and y, and turns; shape (n, 3)."""
-    turned = normals[:, 1] * points[:, 0] - normals[:, 0] * points[:, 1]
-    return np.column_stack([normals, turned])
+    def _moved(self, normals: Array, points: Array) -> Array:
+        """Returns how far points move along normals where it moves along x and y, and turns; shape (n, 3)."""
+        if self._axis is not None:  # what is round looks the same from all sides
+            points = np.broadcast_to(self._axis, points.shape)
+        turned = normals[:, 1] * points[:, 0] - normals[:, 0] * points[:, 1]
+        return np.column_stack([normals, turned])
 
 
 class Silhouette:
@@ -212,9 +218,9 @@ class Silhouette:
     def telling(self, rays: Rays, pose: Pose) -> Rays:
         """Returns the rays that tell most of it, about where it is: all at its edges, and some of the others."""
         rays = rays.towards(pose, self.radius)
-        passed = [np.abs(block.passed(_Seen(rays, pose))[0]) for block in self._blocks]
-        edges = np.min(passed, axis=0) < _EDGE
-        others = np.flatnonzero(~edges)
+        inside = np.stack([block.passed(_Seen(rays, pose))[0] for block in self._blocks])
+        edges = np.abs(inside).min(axis=0) < _EDGE
+        others = np.flatnonzero(~edges & (rays.met | (inside.max(axis=0) > 0.0)))
         return rays.only(np.concatenate([np.flatnonzero(edges), others[:: max(1, len(others) // _OTHERS)]]))
 
     def match(self, rays: Rays, believed: Pose, guess: Pose) -> Match:
@@ -223,22 +229,45 @@ class Silhouette:
         Args:
             rays: The rays.
             believed: Where it is believed to be.
-            guess: Where it may rather be: where the fit begins.
+            guess: Where it may rather be.
+
+        Returns:
+            The fit that begins at the guess, or else that of a wider search; how the rays fit to where it is believed
+            to be, if neither is good.
         """
-        pose, scale = guess, _FIRST_OUTLIER
+        for start, outlier in ((guess, _OUTLIER), (believed, _WIDE_OUTLIER)):
+            found = self._fitted(rays, believed, start, outlier)
+            if found.fits:
+                return found
+        return self._judged(rays, believed, _PRIOR)
+
+    def _fitted(self, rays: Rays, believed: Pose, pose: Pose, outlier: float) -> Match:
         for _ in range(_STEPS):
             information, pull = np.diag(_PRIOR**-2.0), _PRIOR**-2.0 * _difference(believed, pose)
             for residuals, motion, sigma in self._residuals(_Seen(rays, pose), rays.met):
-                weights = 1.0 / (sigma**2 * (1.0 + (residuals / scale) ** 2))
+                weights = 1.0 / (sigma * (1.0 + (residuals / outlier) ** 2)) ** 2  # Geman-McClure
                 information += (motion * weights[:, None]).T @ motion
                 pull += motion.T @ (weights * residuals)
             x, y, turn = (-np.linalg.solve(information, pull)).tolist()
             pose = pose @ Pose.of(x, y, 0.0, yaw=turn)
-            if scale == _OUTLIER and max(abs(x), abs(y), abs(turn)) < _DONE:
+            if outlier == _OUTLIER and max(abs(x), abs(y), abs(turn)) < _DONE:
                 break
-            scale = max(_OUTLIER, _FALL * scale)
-        x, y, turn = np.sqrt(np.diag(np.linalg.inv(information))).tolist()
-        return Match(pose, *self._counts(_Seen(rays, pose), rays.met), (x, y, turn))
+            outlier = max(_OUTLIER, _FALL * outlier)
+        return self._judged(rays, pose, np.sqrt(np.diag(np.linalg.inv(information))))
+
+    def _judged(self, rays: Rays, pose: Pose, sigma: Array) -> Match:
+        """Counts the rays that speak for a pose, and those against it; what ended before it was held up."""
+        seen, met = _Seen(rays, pose), rays.met
+        ended, nearest = self._nearest(seen, met)
+        on, against, through = np.zeros((3, len(met)), dtype=bool)
+        for number, (block, (deep, far, _)) in enumerate(zip(self._blocks, ended, strict=True)):
+            there = (np.abs(deep) < _OUTLIER) & (far < _OUTLIER)
+            on |= (nearest == number) & there
+            against |= (nearest == number) & ~there & (deep < _OUTLIER)
+            inside, beyond, _ = block.passed(seen)
+            through |= beyond & (inside > _DEEP)
+        x, y, turn = sigma.tolist()
+        return Match(pose, int(on.sum()), int(against.sum()), int(through.sum()), (x, y, turn))
 
     def _nearest(self, seen: _Seen, met: Flags) -> tuple[list[tuple[Array, Array, Array]], Array]:
         """Returns how rays ended at each block, and which of the blocks each ray ended nearest to."""
@@ -257,15 +286,6 @@ class Silhouette:
             inside, beyond, across = block.passed(seen)
             for wrong, margin in ((beyond & (inside > -_MARGIN), _MARGIN), (mine & (inside < _MARGIN), -_MARGIN)):
                 yield inside[wrong] + margin, across[wrong], _BESIDE
-
-    def _counts(self, seen: _Seen, met: Flags) -> tuple[int, int, int]:
-        ended, nearest = self._nearest(seen, met)
-        on, through = np.zeros(len(met), dtype=bool), np.zeros(len(met), dtype=bool)
-        for number, (block, (deep, far, _)) in enumerate(zip(self._blocks, ended, strict=True)):
-            on |= (nearest == number) & (np.abs(deep) < _OUTLIER) & (far < _OUTLIER)
-            inside, beyond, _ = block.passed(seen)
-            through |= beyond & (inside > _DEEP)
-        return int((nearest >= 0).sum()), int(on.sum()), int(through.sum())
 
 
 def _difference(believed: Pose, pose: Pose) -> Array:
@@ -346,14 +366,15 @@ class PlaceInSight:
 
     @classmethod
     def of(cls, context: RunContext, robot: RobotSpec, base: Mobile, location: str) -> PlaceInSight | None:
-        """Returns the view of a location, or None if the robot has no scanner, or nothing there stands on the floor."""
+        """Returns the view of a location, or None: the robot has no scanner, or nothing there stands on the floor."""
         at: str | None = location if robot.of(ScannerSpec) else None
         while at is not None:
             solid, pose = solid_of(context.world, at), map_pose(context, at)
             if solid is not None and pose is not None and pose.position[2] < _LOW:
                 return cls(context, robot, base, Obstacle(at, solid, pose))
             placement = context.world.placement(at)
-            at = None if placement is None else placement.place
+            whole = next(iter(context.world.subjects(v.HAS_A, at)), None)
+            at = whole if placement is None else placement.place
         return None
 
     def look(self) -> None:
@@ -378,10 +399,10 @@ class PlaceInSight:
 
     @property
     def is_contradicted(self) -> bool:
-        """True when rays go through where it is believed to be, and it is not seen anywhere near."""
+        """True when rays say that it is not where it is believed to be, and do not show where it is."""
         sighting = self._sighting
         match = None if sighting is None or sighting.seen is not None else sighting.match
-        return match is not None and match.through > max(_MANY, match.on)
+        return match is not None and match.through + match.against > max(_MANY, match.on)
 
     @property
     def pose(self) -> Pose | None:
