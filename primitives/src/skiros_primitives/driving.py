@@ -203,6 +203,8 @@ class DrivingPrimitive(Primitive[Any]):
 _ARRIVED = 0.005
 """Greatest distance from the driving pose after standstill, as localised [m]."""
 _FACING = math.radians(0.5)
+_CLOSE = 0.003
+"""The same where the place is seen, until it has tried once more [m]: what is seen may be some millimetres off, too."""
 _EXACT = 0.001
 """What differs by less is the same [m, rad]."""
 _ASIDE = 0.06
@@ -246,6 +248,8 @@ class DriveBase(DrivingPrimitive):
 
     _shape: tuple[Layer, ...] = ()
     _waits_for = ""
+    _again = False
+    """Whether it drives to the place once more, as it stands too far from its goal."""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
     _in_use = 0.0
@@ -272,7 +276,7 @@ class DriveBase(DrivingPrimitive):
                 if way.free:
                     outcome = yield from self._follow(base, path, way)
                     surprises += 1
-                    if not (self.bumped or self.seen or self.displaced) or surprises > _SURPRISES:
+                    if not (self.bumped or self.seen or self.displaced or self._again) or surprises > _SURPRISES:
                         return outcome
                     continue
             if found is not None and not isinstance(found, Failure):
@@ -289,14 +293,14 @@ class DriveBase(DrivingPrimitive):
         lookout = Lookout(self.context, robot, self._shape, self.pose, path, known, self._met)
         place = PlaceInSight.of(self.context, robot, base, self.params.location)
         stuck = yield from self.drive(base, path, way, lookout=lookout, place=place)
-        if place is not None and place.is_contradicted:
-            return self._not_there(place)
-        if place is not None and (stuck is None or self.displaced):
-            self._correct(place)
-        if stuck is None:
-            return self._arrived()
         if self.bumped:
             yield from self._back_off(base)
+        elif place is not None and place.is_contradicted:
+            return self._not_there(place.body)
+        elif place is not None and (stuck is None or self.displaced):
+            self._correct(place)
+        if stuck is None:
+            return self._arrived(sees=place is not None and place.pose is not None)
         leg, legs = int(stuck) + 1, len(path.legs)
         location = self.params.location
         if leg <= legs:
@@ -323,11 +327,9 @@ class DriveBase(DrivingPrimitive):
             self.progress(1, reason)
             self.emit("displaced", {"element": place.body, "distance": off, "turned": turned})
 
-    def _not_there(self, place: PlaceInSight) -> Failure:
-        text = Message(
-            "{body} is not where it is believed to be, and the scanner does not show where it is", body=place.body
-        )
-        return Failure(text, values={"not_seen": place.body})
+    def _not_there(self, body: str) -> Failure:
+        reason = Message("{body} is not where it is believed to be, and scans do not show where it is", body=body)
+        return Failure(reason, values={"not_seen": body})
 
     def _back_off(self, base: Mobile) -> Execution[None]:
         """Writes that something is where the base met it, and drives back a little."""
@@ -458,12 +460,13 @@ class DriveBase(DrivingPrimitive):
     def _spec(self) -> MobileSpec[Any, Any]:
         return Mobile(self.context.board, self.params.base).spec
 
-    def _arrived(self) -> Outcome:
+    def _arrived(self, *, sees: bool) -> Outcome:
         pose, goal = self.pose, self._goal()
         if isinstance(goal, Failure):
             return goal
         distance = math.dist(pose.position[:2], goal.position[:2])
         turned = abs(wrap_angle(pose.yaw - goal.yaw))
+        self._again = sees and not self._again and distance > _CLOSE
         location = self.params.location
         if distance > _ARRIVED or turned > _FACING:
             return Failure(

@@ -244,7 +244,7 @@ class Silhouette:
     def _fitted(self, rays: Rays, believed: Pose, pose: Pose, outlier: float) -> Match:
         for _ in range(_STEPS):
             information, pull = np.diag(_PRIOR**-2.0), _PRIOR**-2.0 * _difference(believed, pose)
-            for residuals, motion, sigma in self._residuals(_Seen(rays, pose), rays.met):
+            for residuals, motion, sigma in self._residuals(_Seen(rays, pose), rays.met, 2.0 * outlier):
                 weights = 1.0 / (sigma * (1.0 + (residuals / outlier) ** 2)) ** 2  # Geman-McClure
                 information += (motion * weights[:, None]).T @ motion
                 pull += motion.T @ (weights * residuals)
@@ -277,11 +277,14 @@ class Silhouette:
         )
         return ended, np.where(np.isfinite(distances.min(axis=0)), distances.argmin(axis=0), -1)
 
-    def _residuals(self, seen: _Seen, met: Flags) -> Iterator[tuple[Array, Array, float]]:
-        """Yields deviations [m], by how much a motion changes them, and their standard deviation [m]."""
+    def _residuals(self, seen: _Seen, met: Flags, before: float) -> Iterator[tuple[Array, Array, float]]:
+        """Yields deviations [m], by how much a motion changes them, and their standard deviation [m].
+
+        What ended farther before it was held up by something else [m], and says nothing.
+        """
         ended, nearest = self._nearest(seen, met)
         for number, (block, (deep, _, motion)) in enumerate(zip(self._blocks, ended, strict=True)):
-            mine = nearest == number
+            mine = (nearest == number) & (deep < before)
             yield deep[mine], motion[mine], _NOISE
             inside, beyond, across = block.passed(seen)
             for wrong, margin in ((beyond & (inside > -_MARGIN), _MARGIN), (mine & (inside < _MARGIN), -_MARGIN)):
