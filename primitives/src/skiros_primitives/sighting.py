@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry.polygon import orient
 
 from skiros_primitives.lookout import unexplained
 from skiros_py.devices.scanner import ScannerSpec, ScannerState
@@ -147,7 +146,8 @@ class _Block:
     def __init__(self, block: Primitive) -> None:
         solid = Solid((block,))
         outline = floor_area(solid, Pose(), -math.inf, math.inf)
-        self._corners = shapely.get_coordinates(orient(outline))[:-1]
+        corners = shapely.get_coordinates(outline)[:-1]
+        self._corners = corners if shapely.is_ccw(shapely.get_exterior_ring(outline)) else corners[::-1]
         sides = np.roll(self._corners, -1, axis=0) - self._corners
         self._normals = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.linalg.norm(sides, axis=1)[:, None]
         self._offsets = (self._normals * self._corners).sum(axis=1)

@@ -15,7 +15,7 @@ from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DRIVING_POSE, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
+from skiros_py.world.vocabulary import DRIVING_POSE, MISSED_LOOKS, MISSING, PLACEMENT, POSE, POSE_FRAME
 
 _AT: Final = Pose()
 
@@ -113,7 +113,7 @@ def move(tx: Transaction, element: str, pose: Pose) -> None:
         raise WorldError(f"{element} cannot be moved with what is on it: where it was is not known")
     by, waiting, moved = pose @ before.inverse(), [element], dict[str, Pose]()
     for one in waiting:
-        waiting += (guest for guest in view.contents(one) if guest not in waiting)
+        waiting += (guest for guest in view.subjects(PLACEMENT, one) if guest not in waiting)
         there = map_pose(view, one)
         if there is not None and moved.keys().isdisjoint(frames(view, one)):
             moved[one] = by @ there
