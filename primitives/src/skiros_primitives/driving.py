@@ -16,6 +16,7 @@ from skiros_primitives import floor_obstacles
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
+from skiros_primitives.sighting import PlaceInSight
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, wrap_angle
@@ -31,6 +32,7 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
 from skiros_py.world import vocabulary as v
+from skiros_py.world.poses import move
 
 _PATIENCE = 60.0
 """Longest time without progress on the path [s]."""
@@ -113,6 +115,8 @@ class DrivingPrimitive(Primitive[Any]):
     where it only turned."""
     seen: Sequence[str] = ()
     """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
+    displaced = False
+    """Whether the place was seen far from where it is believed to be, for which the last drive was broken off."""
 
     def leave(self, reason: str) -> None:
         """Places the robot on the floor: it is at no location while it drives."""
@@ -131,6 +135,7 @@ class DrivingPrimitive(Primitive[Any]):
         max_linear: float = math.inf,
         max_angular: float = math.inf,
         lookout: Lookout | None = None,
+        place: PlaceInSight | None = None,
     ) -> Execution[float | None]:
         """Follows a path, and waits until the base stands.
 
@@ -141,13 +146,20 @@ class DrivingPrimitive(Primitive[Any]):
             max_linear: Greatest speed [m/s], besides the limit of the base.
             max_angular: Greatest turning speed [rad/s], besides the limit of the base.
             lookout: Tells whether something unknown is in the way; then it stops.
+            place: Tells where the robot is relative to the place that it drives to; where that is far from what is
+                believed, it stops.
 
         Returns:
             None, or how many legs were driven where the base got stuck.
         """
-        follower = base.follow(path, lambda: self.pose, max_linear=max_linear, max_angular=max_angular)
+        follower = base.follow(
+            path,
+            lambda: self.pose if place is None else place.robot_pose,
+            max_linear=max_linear,
+            max_angular=max_angular,
+        )
         driven, deadline, bumper = -1.0, 0.0, Bumper(self.context, base)
-        self.bumped, self.seen = 0.0, []
+        self.bumped, self.seen, self.displaced = 0.0, [], False
         while True:
             try:
                 reached, target = next(follower)
@@ -169,6 +181,12 @@ class DrivingPrimitive(Primitive[Any]):
                 ahead = getattr(target, "linear", 1.0)
                 self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
                 return driven
+            if place is not None:
+                place.look()
+                if place.is_far_off:
+                    self.displaced = True
+                    yield from self.stand(base)
+                    return driven
             if lookout is not None and lookout.is_blocked():
                 yield from self.stand(base)
                 self.seen = believe_seen(self.world, self.name, lookout.strange)
@@ -192,6 +210,10 @@ class DrivingPrimitive(Primitive[Any]):
 _ARRIVED = 0.005
 """Greatest distance from the driving pose after standstill, as localised [m]."""
 _FACING = math.radians(0.5)
+_CLOSE = 0.003
+"""The same where the place is seen, until it has tried once more [m]: what is seen may be some millimetres off, too."""
+_EXACT = 0.001
+"""What differs by less is the same [m, rad]."""
 _ASIDE = 0.06
 """Greatest distance of a base from its path [m]; paths keep a larger distance from obstacles."""
 _COURTESY = 120.0
@@ -233,6 +255,8 @@ class DriveBase(DrivingPrimitive):
 
     _shape: tuple[Layer, ...] = ()
     _waits_for = ""
+    _again = False
+    """Whether it drives to the place once more, as it stands too far from its goal."""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
     _in_use = 0.0
@@ -240,15 +264,15 @@ class DriveBase(DrivingPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
-        goal = self._goal()
-        if isinstance(goal, Failure):
-            return goal
         base = Mobile(self.context.board, self.params.base)
         self._shape = floor_obstacles.shape(self.context, self.context.cell.group_of(self.params.base))
         outline = floor_obstacles.outline(self._shape)
         self._in_use = self.context.now
         deadline, surprises = self.context.now + _COURTESY, 0
         while True:
+            goal = self._goal()
+            if isinstance(goal, Failure):
+                return goal
             path = yield from self._plan(goal)
             if isinstance(path, NoMotion):
                 reason = Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
@@ -256,8 +280,9 @@ class DriveBase(DrivingPrimitive):
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
-                    outcome = yield from self._follow(base, path, way, goal)
-                    if not (self.bumped or self.seen) or (surprises := surprises + 1) > _SURPRISES:
+                    outcome = yield from self._follow(base, path, way)
+                    surprises += 1
+                    if not (self.bumped or self.seen or self.displaced or self._again) or surprises > _SURPRISES:
                         return outcome
                     continue
             if found is not None and not isinstance(found, Failure):
@@ -265,23 +290,52 @@ class DriveBase(DrivingPrimitive):
             if isinstance(found, Failure):
                 return found
 
-    def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
+    def _follow(self, base: Mobile, path: Path, way: Way) -> Execution[Outcome]:
         if path.legs:
             self.leave(Message("drives off"))
         yield  # the way was asked for in this cycle, which takes some milliseconds, too
         robot = self.context.cell.group_of(self.params.base)
         known = obstacles(self.context, parts=True)
         lookout = Lookout(self.context, robot, self._shape, self.pose, path, known, self._met)
-        stuck = yield from self.drive(base, path, way, lookout=lookout)
-        if stuck is None:
-            return self._arrived(self.pose, goal)
+        place = PlaceInSight.of(self.context, robot, base, self.params.location)
+        stuck = yield from self.drive(base, path, way, lookout=lookout, place=place)
         if self.bumped:
             yield from self._back_off(base)
+        elif place is not None and place.is_contradicted:
+            return self._not_there(place.body)
+        elif place is not None and (stuck is None or self.displaced):
+            self._correct(place)
+        if stuck is None:
+            return self._arrived(sees=place is not None and place.pose is not None)
         leg, legs = int(stuck) + 1, len(path.legs)
         location = self.params.location
         if leg <= legs:
             return Failure(Message("stuck on leg {leg} of {legs} to {location}", leg=leg, legs=legs, location=location))
         return Failure(Message("stuck while turning at {location}", location=location))
+
+    def _correct(self, place: PlaceInSight) -> None:
+        """Writes where the place is seen to be, with what is on it."""
+        pose, before = place.pose, map_pose(self.context, place.body)
+        if pose is None or before is None:
+            return
+        off, turned = math.dist(pose.position, before.position), abs(wrap_angle(pose.yaw - before.yaw))
+        if max(off, turned) < _EXACT:
+            return
+        reason = Message(
+            "{body} is seen {distance:.0f} mm and {turned:.1f} deg from where it was believed to be",
+            body=place.body,
+            distance=1000.0 * off,
+            turned=math.degrees(turned),
+        )
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            move(tx, place.body, pose)
+        if self.displaced:
+            self.progress(1, reason)
+            self.emit("displaced", {"element": place.body, "distance": off, "turned": turned})
+
+    def _not_there(self, body: str) -> Failure:
+        reason = Message("{body} is not where it is believed to be, and scans do not show where it is", body=body)
+        return Failure(reason, values={"not_seen": body})
 
     def _back_off(self, base: Mobile) -> Execution[None]:
         """Writes that something is where the base met it, and drives back a little."""
@@ -412,9 +466,13 @@ class DriveBase(DrivingPrimitive):
     def _spec(self) -> MobileSpec[Any, Any]:
         return Mobile(self.context.board, self.params.base).spec
 
-    def _arrived(self, pose: Pose, goal: Pose) -> Outcome:
+    def _arrived(self, *, sees: bool) -> Outcome:
+        pose, goal = self.pose, self._goal()
+        if isinstance(goal, Failure):
+            return goal
         distance = math.dist(pose.position[:2], goal.position[:2])
         turned = abs(wrap_angle(pose.yaw - goal.yaw))
+        self._again = sees and not self._again and distance > _CLOSE
         location = self.params.location
         if distance > _ARRIVED or turned > _FACING:
             return Failure(

@@ -9,12 +9,13 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from skiros_py.devices.common import BASE_STILL
+from skiros_py.geometry import Array
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.kinematics import BASE_JOINTS
 from skiros_py.ports.simulation import SimulatedRobot
 
 _COLUMNS, _LAYERS = 61, 24  # rays across, and above each other
-_TURNS = 3  # each scan has every third layer, so that three in a row have all of them
+_TURNS = 3  # each scan has every third layer and rays a third of a step aside, so that three in a row have all of them
 _LOWEST, _HIGHEST = math.radians(-18.0), math.radians(48.0)
 _RATE = 10.0  # [1/s]
 _NOISE = 0.01  # [m]
@@ -29,11 +30,13 @@ class ScannerState:
         number: Number of the scan, from 1; 0 before the first one.
         points: What was met, in the frame of the scanner [m].
         nearest: Distance of the nearest of them [m]; 1000 where nothing was met.
+        clear: Ends of the rays that met nothing within its range, in its frame [m].
     """
 
     number: int = 0
     points: tuple[tuple[float, float, float], ...] = ()
     nearest: float = _NOTHING
+    clear: tuple[tuple[float, float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +114,11 @@ class SimulatedScanner:
         self._wait = 1.0 / _RATE
         self._left = 0.0
         across = np.linspace(-spec.angle / 2.0, spec.angle / 2.0, _COLUMNS)
-        up, turn = (
-            axis.ravel() for axis in np.meshgrid(np.linspace(_LOWEST, _HIGHEST, _LAYERS), across, indexing="ij")
-        )
-        directions = np.column_stack([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
-        by_layer = (spec.reach * directions).reshape(_LAYERS, _COLUMNS, 3)
-        self._ends = [by_layer[turn::_TURNS].reshape(-1, 3) for turn in range(_TURNS)]
+        step, layers = float(across[1] - across[0]) / _TURNS, np.linspace(_LOWEST, _HIGHEST, _LAYERS)
+        self._ends = [
+            spec.reach * _directions(layers[turn::_TURNS], across + step * (turn - _TURNS // 2))
+            for turn in range(_TURNS)
+        ]
         self._state = ScannerState()
 
     def command(self, target: None) -> None:
@@ -142,5 +144,12 @@ class SimulatedScanner:
         points = ends[met] * shares[:, None]
         ranges = np.linalg.norm(points, axis=1)
         points = points * (1.0 + self._rng.normal(0.0, _NOISE, len(points)) / np.maximum(ranges, 1e-6))[:, None]
-        met_at = tuple((x, y, z) for x, y, z in points.tolist())
-        return ScannerState(self._state.number + 1, met_at, float(ranges.min(initial=_NOTHING)))
+        clear = ends[[hit is None for hit in hits]]
+        met_at, clear_to = (tuple((x, y, z) for x, y, z in rows.tolist()) for rows in (points, clear))
+        return ScannerState(self._state.number + 1, met_at, float(ranges.min(initial=_NOTHING)), clear_to)
+
+
+def _directions(layers: Array, across: Array) -> Array:
+    """Returns the unit vectors of rays at some angles above the horizon and across [rad], shape (n, 3)."""
+    up, turn = (axis.ravel() for axis in np.meshgrid(layers, across, indexing="ij"))
+    return np.column_stack([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])

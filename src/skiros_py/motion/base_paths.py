@@ -115,7 +115,7 @@ def _way(nodes: Array, parent: Array) -> list[Point]:
     return [(float(nodes[i, 0]), float(nodes[i, 1])) for i in reversed(way)]
 
 
-_THERE = 0.004  # [m] this near the goal ...
+_THERE = 0.003  # [m] this near the goal ...
 _ALIGNED = math.radians(0.4)  # ... and this well aligned, the base need not move
 _RUN_UP = 0.25  # [m] the last straight stretch is at least as long, so that the base comes in without sideways error
 _FARTHEST = 3.0  # [m] a dock deeper than this is not looked for

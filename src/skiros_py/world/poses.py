@@ -15,7 +15,7 @@ from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DRIVING_POSE, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
+from skiros_py.world.vocabulary import DRIVING_POSE, MISSED_LOOKS, MISSING, PLACEMENT, POSE, POSE_FRAME
 
 _AT: Final = Pose()
 
@@ -99,6 +99,28 @@ def write_pose(tx: Transaction, element: str, pose: Pose | None, frame: str | No
         for old in tx.view.objects(element, POSE_FRAME):
             tx.unrelate(element, POSE_FRAME, old)
     tx.set(element, POSE, pose)
+
+
+def move(tx: Transaction, element: str, pose: Pose) -> None:
+    """Writes where an element is in the map; what is placed on it or in it, and so on, comes along.
+
+    Raises:
+        WorldError: Where it was is not known.
+    """
+    view = tx.view
+    before = map_pose(view, element)
+    if before is None:
+        raise WorldError(f"{element} cannot be moved with what is on it: where it was is not known")
+    by, waiting, moved = pose @ before.inverse(), [element], dict[str, Pose]()
+    for one in waiting:
+        waiting += (guest for guest in view.subjects(PLACEMENT, one) if guest not in waiting)
+        there = map_pose(view, one)
+        if there is not None and moved.keys().isdisjoint(frames(view, one)):
+            moved[one] = by @ there
+    for one, there in moved.items():
+        frame = next(iter(view.objects(one, POSE_FRAME)), None)
+        above = None if frame is None else map_pose(view, frame)
+        write_pose(tx, one, there if above is None else above.inverse() @ there, frame)
 
 
 def attach(tx: Transaction, element: str, frame: str | None) -> None:

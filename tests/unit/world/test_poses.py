@@ -14,7 +14,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
-from skiros_py.world.poses import attach, map_pose, pose_in, pose_on, write_pose
+from skiros_py.world.poses import attach, map_pose, move, pose_in, pose_on, write_pose
 from skiros_py.world.world import World
 
 ONTOLOGY = Ontology.load([Path(__file__).parents[3] / "ontologies" / "core.ttl"])
@@ -145,3 +145,33 @@ def test_a_frame_with_a_sensed_pose_ends_the_frame_chain() -> None:
     assert pose_on(world, "thing_2", sensed.get) == ("thing_0", Pose((9.0, 2.0, 3.0)))  # its own is not asked for
     assert pose_on(world, "thing_2") == (None, Pose((1.0, 2.0, 3.0)))
     assert pose_on(world, "floor", sensed.get) is None
+
+
+def test_what_is_placed_on_a_thing_comes_along_when_it_is_moved_whatever_frame_its_pose_is_in() -> None:
+    world = World(ONTOLOGY)
+    with world.transaction("test", "a table") as tx:
+        tx.add("sk:Floor", id="floor")
+        for name, below, frame, pose in (
+            ("table", "floor", None, Pose((1.0, 0.0, 0.0))),
+            ("tray", "table", None, Pose.of(1.2, 0.1, 0.7, yaw=0.3)),
+            ("cup", "tray", "tray", Pose((0.1, 0.0, 0.0))),
+            ("lid", "cup", None, Pose((1.3, 0.1, 0.8))),
+            ("box", "floor", None, Pose((1.5, 0.0, 0.0))),
+        ):
+            tx.add("sk:Surface", id=name, placement=Placement("sk:on", below))
+            write_pose(tx, name, pose, frame)
+        tx.add("sk:Object", id="lost", placement=Placement("sk:on", "table"))
+    names = ("table", "tray", "cup", "lid", "box")
+    before = {name: map_pose(world, name) for name in names}
+
+    with world.transaction("test", "it stands elsewhere") as tx:
+        move(tx, "table", Pose.of(1.1, -0.2, 0.0, yaw=0.5))
+
+    by = Pose.of(1.1, -0.2, 0.0, yaw=0.5).matrix() @ np.linalg.inv(Pose((1.0, 0.0, 0.0)).matrix())
+    for name in ("table", "tray", "cup", "lid"):
+        assert_same(map_pose(world, name), by @ (before[name] or Pose()).matrix())
+    assert map_pose(world, "box") == before["box"]
+    assert map_pose(world, "lost") is None
+    assert world.objects("cup", "sk:poseFrame") == ("tray",)
+    with world.transaction("test", "unknown") as tx, pytest.raises(WorldError, match="where it was is not known"):
+        move(tx, "lost", Pose())
