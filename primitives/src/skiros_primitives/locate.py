@@ -14,9 +14,10 @@ from typing import ClassVar
 import numpy as np
 
 from skiros_primitives.floor_obstacles import bodies
-from skiros_primitives.looking import LookingParams, LookingPrimitive, support_region
+from skiros_primitives.looking import LookingParams, LookingPrimitive
 from skiros_primitives.lookout import Sight, believe_seen, unexplained
 from skiros_primitives.part_models import part_models
+from skiros_primitives.surfaces import support_region
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.motion import NoMotion
@@ -127,7 +128,9 @@ class Locate(LookingPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Looks until the wanted part is seen, or two clear looks do not show it."""
-        region = support_region(self.context, self.params.place)
+        region, part = support_region(self.context, self.params.place), self.params.part
+        if self.world.related(part, v.ON, self.params.place) and map_pose(self.context, part) is not None:
+            return Success(Message("{part} was seen on {place}", part=part, place=self.params.place))
         if isinstance(region, str):
             return Failure(region)
         clear_looks, why = 0, ""

@@ -15,6 +15,7 @@ from itertools import count, product
 from skiros_py.errors import DescriptionError, PlanningError
 from skiros_py.planning.domain.literals import (
     CAN,
+    IS,
     Asked,
     Conjunction,
     allows_value,
@@ -251,8 +252,23 @@ def actions_of(
     variants = [
         _action(skill, variant, effects, asked, _chosen(needed, choices, variant)) for variant in product(*choices)
     ]
-    complete = (action for variant in variants for action in with_implicit_deletes(variant, ontology))
+    narrow = (_narrowed(variant, ontology) for variant in variants)
+    complete = (action for variant in narrow for action in with_implicit_deletes(variant, ontology))
     return numbered(map(_with_question_marks, complete))
+
+
+def _narrowed(action: Action, ontology: Ontology) -> Action:
+    """Gives parameters the narrower classes that preconditions ask of them, instead of those preconditions."""
+    classes = {parameter.name: parameter.type for parameter in action.parameters}
+    pre = []
+    for atom in action.pre:
+        class_, name = atom.predicate.removeprefix(IS), atom.arguments[0]
+        if atom.predicate.startswith(IS) and name in classes and ontology.is_a(class_, classes[name]):
+            classes[name] = class_
+        else:
+            pre.append(atom)
+    parameters = tuple(replace(one, type=classes[one.name]) for one in action.parameters)
+    return replace(action, parameters=parameters, pre=tuple(pre))
 
 
 def _chosen(
