@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import downward, part_models
-from skiros_primitives.surfaces import Surface, inner_region, lost_part, surfaces
+from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
@@ -29,7 +29,7 @@ from skiros_py.ports.values import DepthImage
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, owner, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
@@ -283,7 +283,7 @@ class VerifyPlace(LookingPrimitive):
     def execute(self) -> Execution[Outcome]:
         """Looks, at most twice; the second time where the kit is seen to be, and around."""
         part, compartment = self.params.part, self.params.compartment
-        kit, wanted = owner(self.world, compartment, v.CONTAINER), self.world.element(part).type
+        kit, wanted = kit_of(self.world, compartment), self.world.element(part).type
         for attempt in range(_LOOKS):
             region = inner_region(self.context, compartment)
             if isinstance(region, str):

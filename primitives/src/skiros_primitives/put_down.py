@@ -7,8 +7,8 @@ not let go.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
@@ -19,15 +19,15 @@ from skiros_primitives.contact import GENTLE
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.part_models import level
-from skiros_primitives.surfaces import inner_region, support_region
-from skiros_py.geometry import Array, Pose, wrap_angle
+from skiros_primitives.surfaces import inner_region, kit_of, support_region
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message
 from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory
 from skiros_py.ports.perception import Region
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, obstacles, owner, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -139,21 +139,8 @@ class PuttingPrimitive(HandlingPrimitive):
         return (PoseMove(high), *(LineMove(pose, speed, spot.touching) for pose, speed in line))
 
     def room(self, tool: Pose) -> float:
-        """Returns how far the fingers can open past what they hold, with the tool at a pose in the map [m].
-
-        What stands in their way are walls and neighbours, as believed; up to what they open at most.
-        """
-        width, thick, ahead = _FINGER
-        inner = self.gripper.state.gap / 2.0
-        y = np.arange(inner, inner + thick + _OPEN / 2.0 + _STEP, _STEP)
-        grid = np.meshgrid(np.linspace(-width, width, 5), y, np.linspace(-_BEHIND, ahead, 6), indexing="ij")
-        points = np.stack(grid, axis=-1).reshape(-1, 3)
-        points = np.vstack([points, points * (1.0, -1.0, 1.0)])
-        hit = np.zeros(len(points), dtype=bool)
-        for obstacle in obstacles(self.context, parts=True):
-            hit |= inside(obstacle, tool.apply(points))
-        nearest = float(np.abs(points[hit, 1]).min(initial=math.inf)) - inner - thick
-        return min(_OPEN, max(0.0, 2.0 * (nearest - _STEP)))
+        """Returns how far the fingers can open past what they hold, with the tool at a pose in the map [m]."""
+        return finger_room(obstacles(self.context, parts=True), tool, self.gripper.state.gap)
 
     def lower(self, spot: Spot, chosen: int, lift: float, planned: MotionPlan) -> Execution[Outcome]:  # noqa: ARG002
         """Comes down and lets go."""
@@ -195,16 +182,29 @@ class PuttingPrimitive(HandlingPrimitive):
             self.retreat = None
 
 
-def inside(obstacle: Obstacle, points: Array) -> Array:
-    """Returns which points of the map are inside an obstacle."""
-    found = np.zeros(len(points), dtype=bool)
-    for block in obstacle.solid.primitives:
-        at = np.abs((obstacle.pose @ block.pose).inverse().apply(points))
-        if block.kind == "box":
-            found |= np.all(at <= np.asarray(block.size) / 2.0, axis=1)
-        else:
-            found |= (np.hypot(at[:, 0], at[:, 1]) <= block.size[0]) & (at[:, 2] <= block.size[1] / 2.0)
-    return found
+def finger_room(things: Iterable[Obstacle], tool: Pose, gap: float) -> float:
+    """Returns how far fingers can open beside walls and neighbours; what they open at most where nothing is near [m].
+
+    Args:
+        things: What stands around.
+        tool: Pose of the tool in the map; the fingers open along its y axis.
+        gap: Between the fingers now [m].
+    """
+    width, thick, ahead = _FINGER
+    y = np.arange(gap / 2.0, gap / 2.0 + thick + _OPEN / 2.0 + 2.0 * _STEP, _STEP)
+    grid = np.meshgrid(np.linspace(-width, width, 5), y, np.linspace(-_BEHIND, ahead, 6), indexing="ij")
+    points = np.stack(grid, axis=-1).reshape(-1, 3)
+    points = np.vstack([points, points * (1.0, -1.0, 1.0)])
+    hit = np.zeros(len(points), dtype=bool)
+    for thing in things:
+        for block in thing.solid.primitives:
+            at = np.abs((thing.pose @ block.pose).inverse().apply(tool.apply(points)))
+            if block.kind == "box":
+                hit |= np.all(at <= np.asarray(block.size) / 2.0, axis=1)
+            else:
+                hit |= (np.hypot(at[:, 0], at[:, 1]) <= block.size[0]) & (at[:, 2] <= block.size[1] / 2.0)
+    nearest = float(np.abs(points[hit, 1]).min(initial=math.inf)) - gap / 2.0 - thick
+    return min(_OPEN, max(0.0, 2.0 * (nearest - _STEP)))
 
 
 _EXACT = 0.001
@@ -237,7 +237,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Puts it into the compartment."""
-        compartment, kit = self.params.compartment, self._kit
+        compartment = self.params.compartment
         region, solid = inner_region(self.context, compartment), solid_of(self.world, compartment)
         if isinstance(region, str):
             return Failure(region)
@@ -247,13 +247,9 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             now = map_pose(self.context, compartment) or region.pose
             return [now @ pose for pose in places]
 
-        touching = frozenset({self.params.part, compartment, kit, *self.world.subjects(v.HAS_A, kit)})
+        touching = frozenset({self.params.part, compartment})
         walls = float(solid.bounds()[1][2]) if solid is not None else 0.0
         return (yield from self.put(Spot(compartment, poses, touching, Placement(v.MAY_BE_IN, compartment), walls)))
-
-    @property
-    def _kit(self) -> str:
-        return owner(self.world, self.params.compartment, v.CONTAINER) or ""
 
     def _places(self, region: Region) -> list[Pose]:
         """Release poses in the compartment: as taught, else in its centre, at the quarter turns at which it fits."""
@@ -278,7 +274,8 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
                 way = self.way(tool, spot, lift) if not seen or _apart(tool, aimed) > _EXACT else None
             else:
                 x, y = _SIDES[attempt - _TRIES]
-                way = self.way(Pose((_BESIDE * x, _BESIDE * y, 0.0)) @ tool, spot, lift)[1:]
+                beside = replace(spot, touching=spot.touching | {kit_of(self.world, spot.place) or spot.place})
+                way = self.way(Pose((_BESIDE * x, _BESIDE * y, 0.0)) @ tool, beside, lift)[1:]
             if way is not None:
                 again = yield from self.plan([way])
                 if isinstance(again, NoMotion):
@@ -300,9 +297,10 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         Returns:
             Whether the arm is still where it was; a text: why nothing can be put there.
         """
-        camera, kit, compartment = self.params.camera, self._kit, self.params.compartment
-        believed = map_pose(self.context, kit) if kit else None
-        if believed is None:
+        camera, compartment = self.params.camera, self.params.compartment
+        kit = kit_of(self.world, compartment)
+        believed = map_pose(self.context, kit) if kit is not None else None
+        if kit is None or believed is None:
             return True
         picture = yield from self.capture()
         result = yield from self.register(kit, believed, picture)

@@ -14,6 +14,7 @@ from skiros_py.ports.perception import Detection, DetectionResult, Region
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose, solid_of
 from skiros_py.world import vocabulary as v
+from skiros_py.world.view import WorldView
 
 _WIDEST = 0.6
 """Half the side length of the area of a larger surface, such as the floor, that is searched around a kit [m]."""
@@ -40,6 +41,11 @@ def inner_region(context: RunContext, compartment: str) -> Region | str:
         return Message("{compartment} has no pose or no inner volume", compartment=compartment)
     low, high = Solid.from_json(str(solid)).bounds()
     return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0), exact=True)
+
+
+def kit_of(view: WorldView, compartment: str) -> str | None:
+    """Returns what a compartment is a piece of."""
+    return next(iter(view.subjects(v.HAS_A, compartment)), None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,8 +75,8 @@ OBJECT_AT_LOCATION = ConditionType(
     "The object lies in the container.",
     abstract=True,
 )
-STORED_IN = ConditionType(
-    "StoredIn",
+IN_STORAGE = ConditionType(
+    "InStorage",
     (Role("object", v.MANIPULATABLE), Role("location", v.LOCATION)),
     AllOf((IsA("location", kitting.STORAGE_PLACE), Related(v.IN, "object", "location"))),
     "The object lies in the storage place.",

@@ -15,7 +15,7 @@ from skiros_skills.conditions import (
     LIES_ON,
     ROBOT_AT_LOCATION,
     STANDS_BY,
-    STORED_IN,
+    IN_STORAGE,
 )
 
 DESCRIPTION = SkillDescription(
@@ -36,7 +36,7 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
         any_of(
-            all_of(STORED_IN("Object", "Container"), ROBOT_AT_LOCATION("Robot", "Container")),
+            all_of(IN_STORAGE("Object", "Container"), ROBOT_AT_LOCATION("Robot", "Container")),
             all_of(LIES_ON("Object", "Container"), STANDS_BY("Robot", "Container")),
         ),
         GRASPABLE("Object", "Gripper"),
