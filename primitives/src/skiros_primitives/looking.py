@@ -300,11 +300,14 @@ class VerifyPlace(LookingPrimitive):
             seen = next((d for d in look.detections if d.type == wanted), None)
             if seen is not None:
                 return self._confirm(seen)
-        for surface_ in surfaces(self.context, kit, compartment) if kit is not None else ():
-            on = yield from self.detect(surface_.region, picture)
-            let_go = region.pose if surface_.place == kit else None
-            if (pose := lost_part(self.context, part, on, let_go)) is not None:
-                return self._astray(surface_, pose)
+        looks: dict[Surface, DetectionResult] = {}
+        for place in surfaces(self.context, kit, compartment) if kit is not None else ():
+            looks[place] = yield from self.detect(place.region, picture)
+        for let_go in (None, region.pose):  # first what is recognised, then what may lie aslant on the kit
+            for place, seen_there in looks.items():
+                pose = lost_part(self.context, part, seen_there, let_go if place.place == kit else None)
+                if pose is not None:
+                    return self._astray(place, pose)
         return self._deny(strange=any(d.type is None for d in look.detections))
 
     def _astray(self, where: Surface, pose: Pose) -> Outcome:
@@ -314,7 +317,8 @@ class VerifyPlace(LookingPrimitive):
         with self.world.transaction(author=self.name, reason=reason) as tx:
             tx.place(part, where.relation, where.place)
             tx.set(part, v.MISSING, None)
-            write_pose(tx, part, pose)
+            below = map_pose(self.context, where.place) or Pose()
+            write_pose(tx, part, below.inverse() @ pose, where.place)
         return Failure(reason)
 
     def _confirm(self, seen: Detection) -> Outcome:

@@ -115,10 +115,11 @@ class PuttingPrimitive(HandlingPrimitive):
         rooms = [self.room(tool) for tool in tools]
         for lift, room in product(self.lifts, sorted(set(rooms), reverse=True)):
             numbers = [number for number, one in enumerate(rooms) if one == room]
-            for tried in (self.context.tried.fresh("place", numbers), numbers):
-                planned = yield from self.plan([self.way(tools[n], spot, lift) for n in tried])
+            fresh = self.context.tried.fresh("place", numbers)
+            for some in filter(None, (fresh, [number for number in numbers if number not in fresh])):
+                planned = yield from self.plan([self.way(tools[number], spot, lift) for number in some])
                 if isinstance(planned, MotionPlan):
-                    return tried[planned.route], lift, planned
+                    return some[planned.route], lift, planned
         return 0, 0.0, planned
 
     @staticmethod
@@ -150,6 +151,7 @@ class PuttingPrimitive(HandlingPrimitive):
     def descend(self, legs: Sequence[Trajectory], spot: Spot) -> Execution[NoMotion | None]:
         """Follows the last legs of a way but that up again; returns why it did not come down to the floor."""
         *fast, low, self.retreat = legs
+        self.progress(2, Message("coming down"))
         for leg in fast:
             refusal = yield from self.follow(leg, landing=0.0)
             if refusal is not None:
@@ -159,7 +161,7 @@ class PuttingPrimitive(HandlingPrimitive):
     def release(self, spot: Spot) -> Execution[Outcome]:
         """Opens the fingers as far as there is room, and retreats."""
         gripper = self.gripper
-        self.progress(2, Message("releasing"))
+        self.progress(3, Message("releasing"))
         before, opening = gripper.state.gap, max(_LEAST_OPEN, self.room(self.tool_pose()))
         gap = min(self.gripper_spec.max_gap, before + opening)
         state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
@@ -169,7 +171,7 @@ class PuttingPrimitive(HandlingPrimitive):
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.place(self.params.part, spot.believed.relation, spot.believed.place)
                 write_pose(tx, self.params.part, None)  # a look has to determine it
-        self.progress(3, Message("retreating"))
+        self.progress(4, Message("retreating"))
         yield from self.recover()
         if not opened:
             return Failure(Message("the fingers did not open: gap {gap:.0f} mm", gap=state.gap * 1000.0))
@@ -226,7 +228,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
     """
 
     name: ClassVar[str] = "put_down"
-    lifts: ClassVar[tuple[float, ...]] = (0.18, 0.12)
+    lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14)
 
     @dataclass(frozen=True, slots=True)
     class Params(PuttingParams):

@@ -8,14 +8,15 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, LOCATION, MANIPULATABLE, ROBOT
 from skiros_skills.conditions import (
+    CARRYING,
     EMPTY_HANDED,
     GRASPABLE,
     HAS_PART,
     HOLDING,
+    IN_STORAGE,
     LIES_ON,
     ROBOT_AT_LOCATION,
     STANDS_BY,
-    IN_STORAGE,
 )
 
 DESCRIPTION = SkillDescription(
@@ -37,7 +38,10 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Camera"),
         any_of(
             all_of(IN_STORAGE("Object", "Container"), ROBOT_AT_LOCATION("Robot", "Container")),
-            all_of(LIES_ON("Object", "Container"), STANDS_BY("Robot", "Container")),
+            all_of(
+                LIES_ON("Object", "Container"),
+                any_of(STANDS_BY("Robot", "Container"), CARRYING("Robot", "Container"), HAS_PART("Robot", "Container")),
+            ),
         ),
         GRASPABLE("Object", "Gripper"),
         EMPTY_HANDED("Gripper"),
