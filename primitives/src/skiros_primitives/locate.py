@@ -123,7 +123,7 @@ class Locate(LookingPrimitive):
     class Params(LookingParams):
         """Parameters."""
 
-        place: str = param(v.CONTAINER, "Where to look.")
+        place: str = param(v.LOCATION, "Where to look.")
         part: str = param(v.MANIPULATABLE, "The part that is wanted.")
 
     def execute(self) -> Execution[Outcome]:

@@ -179,9 +179,13 @@ class PuttingPrimitive(HandlingPrimitive):
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""
-        if self.retreat is not None:
-            yield from self.follow_from_here(self.retreat, expected=self.weight(self.params.part))
-            self.retreat = None
+        if self.retreat is None:
+            return
+        for _ in range(_TRIES):
+            yield from self._settle(self.arm.state.positions)  # moving back from a contact it may not stand yet
+            if (yield from self.follow_from_here(self.retreat, expected=self.weight(self.params.part))) is None:
+                break
+        self.retreat = None
 
 
 def finger_room(things: Iterable[Obstacle], tool: Pose, gap: float) -> float:
@@ -346,7 +350,7 @@ class PutBack(PuttingPrimitive):
     class Params(PuttingParams):
         """Parameters."""
 
-        place: str = param(v.CONTAINER, "Where to put it.")
+        place: str = param(v.LOCATION, "Where to put it.")
 
     def execute(self) -> Execution[Outcome]:
         """Puts it back; that it lies there is believed until a look shows something else."""
