@@ -285,17 +285,10 @@ class VerifyPlace(LookingPrimitive):
         part, compartment = self.params.part, self.params.compartment
         kit, wanted = kit_of(self.world, compartment), self.world.element(part).type
         for attempt in range(_LOOKS):
-            region = inner_region(self.context, compartment)
-            if isinstance(region, str):
-                return Failure(region)
-            x, y, surface = region.pose.position
-            picture = yield from self.look_down(x + 0.03 * attempt, y, surface)
-            if isinstance(picture, NoMotion):
-                return Failure(picture.reason)
-            if attempt and kit is not None and (believed := map_pose(self.context, kit)) is not None:
-                yield from self.register(kit, believed, picture)
-                now = inner_region(self.context, compartment)
-                region = now if isinstance(now, Region) else region
+            seen_from = yield from self._look_into(compartment, kit, attempt)
+            if isinstance(seen_from, Failure):
+                return seen_from
+            region, picture = seen_from
             look = yield from self.detect(region, picture)
             seen = next((d for d in look.detections if d.type == wanted), None)
             if seen is not None:
@@ -309,6 +302,23 @@ class VerifyPlace(LookingPrimitive):
                 if pose is not None:
                     return self._astray(place, pose)
         return self._deny(strange=any(d.type is None for d in look.detections))
+
+    def _look_into(
+        self, compartment: str, kit: str | None, attempt: int
+    ) -> Execution[tuple[Region, tuple[DepthImage, Pose]] | Failure]:
+        """Takes a picture of a compartment; from the second on, the kit is first looked for in it."""
+        region = inner_region(self.context, compartment)
+        if isinstance(region, str):
+            return Failure(region)
+        x, y, surface = region.pose.position
+        picture = yield from self.look_down(x + 0.03 * attempt, y, surface)
+        if isinstance(picture, NoMotion):
+            return Failure(picture.reason)
+        believed = map_pose(self.context, kit) if kit is not None and attempt else None
+        if kit is not None and believed is not None:
+            yield from self.register(kit, believed, picture)
+        now = inner_region(self.context, compartment)
+        return (now if isinstance(now, Region) else region), picture
 
     def _astray(self, where: Surface, pose: Pose) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
