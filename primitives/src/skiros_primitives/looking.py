@@ -34,6 +34,7 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
 from skiros_py.world.poses import write_pose
+from skiros_py.world.transaction import Transaction
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
@@ -143,8 +144,13 @@ class LookingPrimitive(ArmPrimitive):
         reason = Message("{compartment} is taken: {what} is seen there", compartment=compartment, what=what)
         with self.world.transaction(author=self.name, reason=reason) as tx:
             found = tx.add(seen.type or v.OBSTACLE, placement=Placement(v.IN, compartment))
-            write_pose(tx, found, seen.pose)
+            self.write_in(tx, found, seen.pose, compartment)
         return reason
+
+    def write_in(self, tx: Transaction, element: str, pose: Pose, place: str) -> None:
+        """Writes the pose in the map at which something is seen, so that it moves with its place."""
+        frame = map_pose(self.context, place)
+        write_pose(tx, element, pose if frame is None else frame.inverse() @ pose, None if frame is None else place)
 
     def look_at_held(self, image: DepthImage) -> Execution[None]:
         """Looks in a picture how what is held sits now, which may have slid on the way."""
@@ -327,8 +333,7 @@ class VerifyPlace(LookingPrimitive):
         with self.world.transaction(author=self.name, reason=reason) as tx:
             tx.place(part, where.relation, where.place)
             tx.set(part, v.MISSING, None)
-            below = map_pose(self.context, where.place) or Pose()
-            write_pose(tx, part, below.inverse() @ pose, where.place)
+            self.write_in(tx, part, pose, where.place)
         return Failure(reason)
 
     def _confirm(self, seen: Detection) -> Outcome:
@@ -338,7 +343,7 @@ class VerifyPlace(LookingPrimitive):
         ) as tx:
             tx.place(part, v.IN, compartment)
             tx.set(part, v.MISSING, None)
-            write_pose(tx, part, seen.pose)
+            self.write_in(tx, part, seen.pose, compartment)
         return Success(Message("{part} is in {compartment}", part=part, compartment=compartment))
 
     def _deny(self, *, strange: bool) -> Outcome:

@@ -284,6 +284,9 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
                 way = self.way(Pose((_BESIDE * x, _BESIDE * y, 0.0)) @ tool, beside, lift)[1:]
             if way is not None:
                 again = yield from self.plan([way])
+                if isinstance(again, NoMotion) and attempt < _TRIES:  # there it may have to be turned
+                    chosen, lift, again = yield from self._plan(spot)
+                    tool = self.tools(spot)[chosen]
                 if isinstance(again, NoMotion):
                     return self.unreachable(spot, again)
                 legs = again.legs

@@ -37,7 +37,7 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
         any_of(
-            all_of(IN_STORAGE("Object", "Container"), ROBOT_AT_LOCATION("Robot", "Container")),
+            all_of(ROBOT_AT_LOCATION("Robot", "Container"), IN_STORAGE("Object", "Container")),
             all_of(
                 LIES_ON("Object", "Container"),
                 any_of(STANDS_BY("Robot", "Container"), CARRYING("Robot", "Container"), HAS_PART("Robot", "Container")),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from itertools import count, product
 
 from skiros_py.errors import DescriptionError, PlanningError
@@ -242,12 +242,18 @@ def actions_of(
     Raises:
         PlanningError: A condition cannot be expressed in typed STRIPS; the message names it.
     """
+    return _translated(skill, ontology, None if asked is None else tuple(asked.items()))
+
+
+@lru_cache(maxsize=64)
+def _translated(
+    skill: SkillDescription, ontology: Ontology, literals: tuple[tuple[str, Asked | Not], ...] | None
+) -> tuple[Action, ...]:
     where = f"skill '{skill.name}'"
     fresh = count(1)
     needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
-    if asked is None:
-        asked = asked_literals((c.pattern for c in needed), ontology)
+    asked = asked_literals((c.pattern for c in needed), ontology) if literals is None else dict(literals)
     effects = _effects(skill, ontology, asked)
     variants = [
         _action(skill, variant, effects, asked, _chosen(needed, choices, variant)) for variant in product(*choices)
