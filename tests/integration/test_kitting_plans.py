@@ -13,8 +13,10 @@ from unified_planning.io import PDDLReader
 import skiros_py
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import Status
+from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.station.session import Options, Session
+from skiros_py.world.poses import write_pose
 
 SCENES = ["kitting", "kitting_carried"]
 
@@ -94,6 +96,25 @@ def test_a_part_that_was_let_go_and_not_seen_yet_is_looked_for() -> None:
         assert report.reached
         assert [step.skill for step in report.steps] == ["drive", "search"]
         assert session.world.related("starter_1", "sk:in", "kit_1_a")
+
+
+def test_a_part_is_taken_from_whatever_it_was_seen_to_lie_on() -> None:
+    found = {}
+    with skiros_py.open("kitting", fake=True) as session:
+        for place in ("kit_1", "kit_table", "floor"):
+            with session.world.transaction("test", "seen") as tx:
+                tx.place("starter_1", "sk:on", place)
+                write_pose(tx, "starter_1", Pose((2.0, 0.0, 0.54)))
+            outcome = session.plan(["InKit(starter_1, kit_1)"]).outcome
+            assert isinstance(outcome, Plan)
+            found[place] = [(s.skill, s.arguments.get("Container")) for s in outcome.steps]
+        with session.world.transaction("test", "lost") as tx:
+            write_pose(tx, "starter_1", None)
+        lost = session.plan(["InKit(starter_1, kit_1)"]).outcome
+
+    assert found == {place: [("drive", None), ("pick", place), ("place", None)] for place in found}
+    assert isinstance(lost, NoPlan)
+    assert "starter_1 is on floor, and no skill takes it from there" in lost.reasons[0]
 
 
 @pytest.mark.parametrize("scene", SCENES)

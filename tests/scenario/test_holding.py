@@ -49,10 +49,10 @@ def put_back(session: Session, part: str) -> None:
         session.cycle.step()
 
 
-def announced(session: Session, text: str) -> Callable[[], bool]:
-    """Whether a grasp has reported something since now."""
+def announced(session: Session, text: str, by: str = "grasp") -> Callable[[], bool]:
+    """Whether a module has reported something since now."""
     heard: list[str] = []
-    session.monitor.subscribe(lambda event: heard.append(event.text) if event.module == "grasp" else None)
+    session.monitor.subscribe(lambda event: heard.append(event.text) if event.module == by else None)
     return lambda: text in heard
 
 
@@ -128,3 +128,34 @@ def test_a_kit_that_was_moved_is_found_again_and_a_taken_compartment_is_left_alo
     assert all("is taken" in reason for compartment, reason in places if compartment == "kit_1_a")
     assert session.world.placement("starter_1").place != "kit_1_a"
     assert truth.pose("stranger").distance(truth.pose("kit_1") @ Pose((-0.073, 0.073, 0.007))) < 0.01
+
+
+def test_a_part_is_put_where_its_compartment_went_and_taken_again_from_where_it_was_thrown(
+    open_session: Callable[..., Session], when: When
+) -> None:
+    session = open_session("kitting", seed=4)
+    truth, let_go, landings = Truth(session.simulation), list[str](), list[str]()
+    session.monitor.subscribe(lambda event: landings.append(event.text) if event.text == "coming down" else None)
+
+    def shift(x: float, y: float, turn: float) -> Callable[[], None]:
+        by = Pose.of(x, y, 0.0, yaw=math.radians(turn))
+        return lambda: session.simulation.move_body("kit_1", truth.pose("kit_1") @ by)
+
+    def throw() -> None:
+        let_go.append(truth.placements()["starter_1"])
+        _, y, _ = (truth.pose("kit_1").inverse() @ truth.pose("starter_1")).position
+        beside = truth.pose("kit_1") @ Pose((0.0, math.copysign(0.22, y), 0.001))
+        session.simulation.move_body("starter_1", beside)
+
+    when(session, announced(session, "approaching", by="put_down"), shift(0.02, -0.015, 7.0))
+    when(session, announced(session, "coming down", by="put_down"), shift(0.03, 0.03, 0.0))
+    when(session, announced(session, "retreating", by="put_down"), throw)
+    report = session.run(["InKit(starter_1, kit_1)"])
+
+    assert len(landings) == 3, "on a wall, inside, and inside again"
+    assert let_go[0].startswith("kit_1_")
+    assert report.reached
+    assert [(c.believed, c.true) for c in report.conditions] == [(True, True)]
+    steps = [(step.skill, step.arguments.get("Container")) for step in report.steps]
+    assert steps[-3:] == [("place", None), ("pick", "kit_table"), ("place", None)]
+    assert ["seen on kit_table" in step.reason for step in report.steps] == [False, False, False, True, False, False]

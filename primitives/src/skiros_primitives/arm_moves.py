@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from skiros_primitives.contact import ContactWatch, Touch, believe_obstacle
+from skiros_primitives.contact import TOLERANCE, ContactWatch, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
@@ -34,6 +34,7 @@ from skiros_py.ports.paths import Outline
 from skiros_py.ports.perception import HeldRegistrar, HeldRequest, HeldResult
 from skiros_py.ports.values import DepthImage
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles, solid_of
 from skiros_py.world.vocabulary import GRIPPER, HAS_A, MASS
@@ -110,6 +111,11 @@ _BACK = 0.15
 
 UNPLANNED_SPEED = 0.3
 """Mean joint speed of a motion without a planner [rad/s]."""
+
+
+def refused(why: NoMotion) -> Failure:
+    """Returns the failure of what needed a motion that is not possible."""
+    return Failure(why.reason, values=why.values)
 
 
 def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajectory:
@@ -285,7 +291,12 @@ class ArmPrimitive(Primitive[Any]):
         return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
 
     def follow(
-        self, trajectory: Trajectory, *, expected: float = 0.0, landing: float | None = None
+        self,
+        trajectory: Trajectory,
+        *,
+        expected: float = 0.0,
+        landing: float | None = None,
+        tolerance: float = TOLERANCE,
     ) -> Execution[NoMotion | None]:
         """Sends a trajectory, one sample per cycle, until the arm is at rest; returns why it did not arrive.
 
@@ -297,8 +308,9 @@ class ArmPrimitive(Primitive[Any]):
             expected: Force at the tip that is no contact, such as the weight of what is lifted [N].
             landing: How far before its end a contact ends it as well, for motions that come near to things on purpose
                 [m]; None for free motions, where what is met becomes an obstacle.
+            tolerance: What counts as a contact, see :class:`ContactWatch` [N m].
         """
-        watch = ContactWatch.of(self.context, self.arm, expected=expected)
+        watch = ContactWatch.of(self.context, self.arm, expected=expected, tolerance=tolerance)
         playback = Playback(trajectory, self.context.board.period, self.context.now)
         while not playback.ended:
             self.arm.command(playback.target(self.context.now))

@@ -21,8 +21,10 @@ from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
 from skiros_py.world.world import World
 
-_TOLERANCE = 4.0
+TOLERANCE = 4.0
 """Residual that still counts as friction and noise [N m]."""
+GENTLE = 1.5
+"""Likewise in slow motions near to what is meant to be touched [N m]."""
 _TRACE = 1.0
 """Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
 _WRIST = 3
@@ -75,15 +77,16 @@ class ContactWatch:
         arm: The arm.
         expected: Force at the tip that may come and go on the way without being a contact, such as the weight of a part
             that is lifted [N].
+        tolerance: Residual that is no contact yet; less for slow motions that shall feel more [N m].
     """
 
-    def __init__(self, context: RunContext, arm: Arm, *, expected: float = 0.0) -> None:
+    def __init__(self, context: RunContext, arm: Arm, *, expected: float = 0.0, tolerance: float = TOLERANCE) -> None:
         self._kinematics = context.port(Kinematics, arm.id)
         self._dynamics = context.port(Dynamics, arm.id)
         self._arm = arm
         self._board = context.board
         self._asked = context.board.snapshot.time
-        self._expected = expected
+        self._expected, self._tolerance = expected, tolerance
         self._before = np.asarray(arm.state.velocities)
         left, lever = self._left(arm.state, np.zeros(len(self._before))), self._lever(arm.state)
         # What is being taken or put down still presses on its support: then the force at the tip is no weight.
@@ -94,13 +97,15 @@ class ContactWatch:
     @property
     def touches_at_start(self) -> bool:
         """True when the arm touches something before it moves."""
-        return bool(self._at_start.max() > _TOLERANCE)
+        return bool(self._at_start.max() > self._tolerance)
 
     @classmethod
-    def of(cls, context: RunContext, arm: Arm, *, expected: float = 0.0) -> ContactWatch | None:
+    def of(
+        cls, context: RunContext, arm: Arm, *, expected: float = 0.0, tolerance: float = TOLERANCE
+    ) -> ContactWatch | None:
         """Returns a watch, or None for an arm that measures no efforts or whose dynamics are unknown."""
         known = context.ports.find(Dynamics, arm.id) is not None
-        return cls(context, arm, expected=expected) if known and arm.state.efforts else None
+        return cls(context, arm, expected=expected, tolerance=tolerance) if known and arm.state.efforts else None
 
     def felt(self) -> Touch | None:
         """Returns the contact in this cycle, or None; also None in the first cycle after a pause."""
@@ -113,7 +118,7 @@ class ContactWatch:
             return None
         lever = self._lever(state)
         over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
-        return self._touch(state, left, float(over.max())) if over.max() > _TOLERANCE else None
+        return self._touch(state, left, float(over.max())) if over.max() > self._tolerance else None
 
     def _left(self, state: ArmState, accelerations: Array) -> Array:
         joints = self._arm.spec.joints

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import HandlingPrimitive
+from skiros_primitives.arm_moves import HandlingPrimitive, refused
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
@@ -80,7 +80,7 @@ class Grasp(HandlingPrimitive):
         gripper, up = self.gripper, planned.legs[-1]
         refusal = yield from self.come_down(planned)
         if refusal is not None:
-            return Failure(refusal.reason, values=refusal.values)
+            return refused(refusal)
         self.progress(2, Message("closing"))
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
         tool = self.tool_pose()
@@ -89,7 +89,7 @@ class Grasp(HandlingPrimitive):
         refusal = yield from self.follow(up, expected=self.weight(self.params.part), landing=0.0)
         if refusal is not None:
             yield from self.recover()
-            return Failure(refusal.reason, values=refusal.values)
+            return refused(refusal)
         self.retreat = None
         state = gripper.state
         if abs(state.gap - grasp.width) > _GAP_TOLERANCE or state.force < _FIRM:

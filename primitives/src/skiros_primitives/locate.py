@@ -13,10 +13,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from skiros_primitives.arm_moves import refused
 from skiros_primitives.floor_obstacles import bodies
-from skiros_primitives.looking import LookingParams, LookingPrimitive, support_region
+from skiros_primitives.looking import LookingParams, LookingPrimitive
 from skiros_primitives.lookout import Sight, believe_seen, unexplained
 from skiros_primitives.part_models import part_models
+from skiros_primitives.surfaces import support_region
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.motion import NoMotion
@@ -122,12 +124,14 @@ class Locate(LookingPrimitive):
     class Params(LookingParams):
         """Parameters."""
 
-        place: str = param(v.CONTAINER, "Where to look.")
+        place: str = param(v.LOCATION, "Where to look.")
         part: str = param(v.MANIPULATABLE, "The part that is wanted.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks until the wanted part is seen, or two clear looks do not show it."""
-        region = support_region(self.context, self.params.place)
+        region, part = support_region(self.context, self.params.place), self.params.part
+        if self.world.related(part, v.ON, self.params.place) and map_pose(self.context, part) is not None:
+            return Success(Message("{part} was seen on {place}", part=part, place=self.params.place))
         if isinstance(region, str):
             return Failure(region)
         clear_looks, why = 0, ""
@@ -136,7 +140,7 @@ class Locate(LookingPrimitive):
             x, y, _ = region.pose.position
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
-                return Failure(look.reason, values=look.values)
+                return refused(look)
             self._believe_taller(look)
             seen = self._write(look)
             if self.params.part in seen:

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.arm_moves import ArmPrimitive, refused
 from skiros_primitives.part_models import downward, part_models
+from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
-from skiros_py.geometry import Pose, Solid
+from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove
 from skiros_py.ports.perception import (
@@ -25,34 +26,15 @@ from skiros_py.ports.perception import (
     RegistrationResult,
 )
 from skiros_py.ports.values import DepthImage
-from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
+from skiros_py.world.names import local_name
 from skiros_py.world.poses import write_pose
-
-
-def support_region(context: RunContext, place: str) -> Region | str:
-    """Returns the support area of a storage place in the map, or why there is none."""
-    pose = map_pose(context, place)
-    half, offset = context.world.value(place, v.SUPPORT_HALF_EXTENTS), context.world.value(place, v.SUPPORT_OFFSET)
-    if pose is None or not isinstance(half, tuple) or not isinstance(offset, tuple):
-        return Message("{place} has no pose or no support area: nothing can be looked for there", place=place)
-    return Region(pose @ Pose((offset[0], offset[1], offset[2])), (half[0], half[1]))
-
-
-def inner_region(context: RunContext, compartment: str) -> Region | str:
-    """Returns the floor of a compartment in the map, or why it is unknown."""
-    pose = map_pose(context, compartment)
-    solid = context.world.value(compartment, v.SOLID)
-    if pose is None or solid is None:
-        return Message("{compartment} has no pose or no inner volume", compartment=compartment)
-    low, high = Solid.from_json(str(solid)).bounds()
-    return Region(pose, (float(high[0] - low[0]) / 2.0, float(high[1] - low[1]) / 2.0), exact=True)
-
+from skiros_py.world.transaction import Transaction
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
@@ -83,12 +65,19 @@ class LookingPrimitive(ArmPrimitive):
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[DetectionResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
-        detector = self.context.port(PartDetector, self.params.camera)
         picture = yield from self.look_down(x, y, region.pose.position[2])
-        if isinstance(picture, NoMotion):
-            return picture
+        return picture if isinstance(picture, NoMotion) else (yield from self.detect(region, picture))
+
+    def detect(self, region: Region, picture: tuple[DepthImage, Pose]) -> Execution[DetectionResult]:
+        """Searches a region in a picture for parts."""
+        detector = self.context.port(PartDetector, self.params.camera)
         request = DetectionRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
         return (yield from self.wait(detector.detect(request)))
+
+    def capture(self) -> Execution[tuple[DepthImage, Pose]]:
+        """Takes a picture from where the camera is; returns it with the camera's pose in the map."""
+        image = yield from self.take_picture(self.params.camera)
+        return image, self.context.frames.at(image.snapshot).located(self.params.camera)
 
     def look_down(
         self, x: float, y: float, surface: float, *, aside: float = 0.0
@@ -114,11 +103,67 @@ class LookingPrimitive(ArmPrimitive):
             refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
             if isinstance(planned, MotionPlan) and refusal is None:
                 self._view = views[planned.route]
-                image = yield from self.take_picture(camera.id)
-                return image, self.context.frames.at(image.snapshot).located(camera.id)
+                return (yield from self.capture())
         assert refusal is not None, "each view is taken or refused"
         reason = Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=refusal.reason)
         return replace(refusal, reason=reason)
+
+    def register(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
+        """Finds a kit in a picture, and writes where it is.
+
+        Raises:
+            DeviceError: The kit has no shape.
+        """
+        camera, solid = self.params.camera, solid_of(self.world, kit)
+        if solid is None:
+            raise DeviceError(f"{self.name} needs a shape of {kit}")
+        request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, kit)
+        result = yield from self.wait(self.context.port(Registrar, camera).register(request))
+        if result.pose is not None:
+            frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
+            in_map = map_pose(self.context, frame) if frame else None
+            own = in_map.inverse() @ result.pose if in_map is not None else result.pose
+            reason = Message("fitted within {cost:.1f} mm", cost=result.cost * 1000.0)
+            with self.world.transaction(author=self.name, reason=reason) as tx:
+                write_pose(tx, kit, own, frame)
+        return result
+
+    def content(self, compartment: str, picture: tuple[DepthImage, Pose]) -> Execution[str | None]:
+        """Looks in a picture for something in a compartment.
+
+        Returns:
+            Why it is not empty, which is written; an empty text if it is; None where it cannot be seen.
+        """
+        region = inner_region(self.context, compartment)
+        if isinstance(region, str):
+            return ""
+        look = yield from self.detect(region, picture)
+        if not look.detections:
+            return "" if look.visible >= _CLEAR else None
+        seen = look.detections[0]
+        what = seen.type.partition(":")[2] if seen.type else _UNKNOWN_SHAPE
+        reason = Message("{compartment} is taken: {what} is seen there", compartment=compartment, what=what)
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            found = tx.add(seen.type or v.OBSTACLE, placement=Placement(v.IN, compartment))
+            self.write_in(tx, found, seen.pose, compartment)
+        return reason
+
+    def write_in(self, tx: Transaction, element: str, pose: Pose, place: str) -> None:
+        """Writes the pose in the map at which something is seen, so that it moves with its place."""
+        frame = map_pose(self.context, place)
+        write_pose(tx, element, pose if frame is None else frame.inverse() @ pose, None if frame is None else place)
+
+    def look_at_held(self, image: DepthImage) -> Execution[None]:
+        """Looks in a picture how what is held sits now, which may have slid on the way."""
+        holding = held_by(self.context, self.gripper_id)
+        if holding is None:
+            return
+        part, held = holding
+        found = yield from self.how_it_sits(image, self.params.camera, part, held.pose)
+        if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
+            slid = found.pose.distance(held.pose) * 1e3
+            with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
+                write_pose(tx, part, found.pose, self.gripper_id)
 
 
 _CLEAR = 0.9
@@ -133,7 +178,6 @@ class RegisterKit(LookingPrimitive):
     """Fits the kit's walls to the camera image; a bad fit gives a failure, not a pose."""
 
     name: ClassVar[str] = "register_kit"
-    _picture: tuple[DepthImage, Pose] | None = None
 
     @dataclass(frozen=True, slots=True)
     class Params(LookingParams):
@@ -146,86 +190,30 @@ class RegisterKit(LookingPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the believed pose."""
-        believed = map_pose(self.context, self.params.kit)
+        kit, believed = self.params.kit, map_pose(self.context, self.params.kit)
         if believed is None:
-            return Failure(Message("the position of {kit} is unknown", kit=self.params.kit))
+            return Failure(Message("the position of {kit} is unknown", kit=kit))
         why = ""
         for attempt, aside in enumerate(_ASIDE, start=1):
-            self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=self.params.kit))
-            result = yield from self._look(believed, aside)
-            if isinstance(result, RegistrationResult) and result.pose is not None:
-                self._write(result.pose, result.cost)
-                moved = result.pose.distance(believed) * 1e3
-                if self.params.compartment is not None and aside != _ASIDE[-1]:
-                    content = yield from self._content(self.params.compartment)
-                    if content is None:
-                        continue  # what is held hides it
-                    if content:
-                        return Failure(content)
-                yield from self._look_at_held()
-                return Success(
-                    Message("{kit} is {moved:.0f} mm from where it was believed", kit=self.params.kit, moved=moved)
-                )
-            why = why or result.reason
-        return self.in_vain(Message("{kit} is not recognised where it should be: {why}", kit=self.params.kit, why=why))
-
-    def _look_at_held(self) -> Execution[None]:
-        """Looks in the same picture how what is held sits now, which may have slid on the way."""
-        holding = held_by(self.context, self.gripper_id)
-        if holding is None or self._picture is None:
-            return
-        part, held = holding
-        found = yield from self.how_it_sits(self._picture[0], self.params.camera, part, held.pose)
-        if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
-            slid = found.pose.distance(held.pose) * 1e3
-            with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
-                write_pose(tx, part, found.pose, self.gripper_id)
-
-    def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
-        camera, solid = self.params.camera, solid_of(self.world, self.params.kit)
-        registrar = self.context.port(Registrar, camera)
-        if solid is None:
-            raise DeviceError(f"register_kit needs a shape of {self.params.kit}")
-        picture = yield from self.look_down(*believed.position, aside=aside)
-        if isinstance(picture, NoMotion):
-            return picture
-        self._picture = picture
-        request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, self.params.kit)
-        return (yield from self.wait(registrar.register(request)))
-
-    def _content(self, compartment: str) -> Execution[str | None]:
-        """Looks at the same picture for something in a compartment.
-
-        Returns:
-            Why it is not empty, which is written; an empty text if it is; None where it cannot be seen.
-        """
-        region = inner_region(self.context, compartment)
-        assert self._picture is not None
-        if isinstance(region, str):
-            return ""
-        detector = self.context.port(PartDetector, self.params.camera)
-        models = part_models(self.world)
-        request = DetectionRequest(*self._picture, region, models, self.seed(), self.params.camera)
-        look = yield from self.wait(detector.detect(request))
-        if not look.detections:
-            return "" if look.visible >= _CLEAR else None
-        seen = look.detections[0]
-        what = seen.type.partition(":")[2] if seen.type else _UNKNOWN_SHAPE
-        reason = Message("{compartment} is taken: {what} is seen there", compartment=compartment, what=what)
-        with self.world.transaction(author=self.name, reason=reason) as tx:
-            found = tx.add(seen.type or v.OBSTACLE, placement=Placement(v.IN, compartment))
-            write_pose(tx, found, seen.pose)
-        return reason
-
-    def _write(self, pose: Pose, cost: float) -> None:
-        kit = self.params.kit
-        frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
-        in_map = map_pose(self.context, frame) if frame else None
-        own = in_map.inverse() @ pose if in_map is not None else pose
-        with self.world.transaction(
-            author=self.name, reason=Message("fitted within {cost:.1f} mm", cost=cost * 1000.0)
-        ) as tx:
-            write_pose(tx, kit, own, frame)
+            self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=kit))
+            picture = yield from self.look_down(*believed.position, aside=aside)
+            if isinstance(picture, NoMotion):
+                why = why or picture.reason
+                continue
+            result = yield from self.register(kit, believed, picture)
+            if result.pose is None:
+                why = why or result.reason
+                continue
+            if self.params.compartment is not None and aside != _ASIDE[-1]:
+                content = yield from self.content(self.params.compartment, picture)
+                if content is None:
+                    continue  # what is held hides it
+                if content:
+                    return Failure(content)
+            yield from self.look_at_held(picture[0])
+            moved = result.pose.distance(believed) * 1e3
+            return Success(Message("{kit} is {moved:.0f} mm from where it was believed", kit=kit, moved=moved))
+        return self.in_vain(Message("{kit} is not recognised where it should be: {why}", kit=kit, why=why))
 
 
 _NEAR = 0.05
@@ -250,11 +238,15 @@ class RegisterPart(LookingPrimitive):
         believed = map_pose(self.context, self.params.part)
         if believed is None:
             return Failure(Message("{part} has not been seen yet", part=self.params.part))
+        part, placement = self.params.part, self.world.placement(self.params.part)
+        astray = placement is not None and placement.relation == v.ON
         x, y, _ = believed.position
-        look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF)), x, y)
+        look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF), exact=astray), x, y)
         if isinstance(look, NoMotion):
-            return Failure(look.reason, values=look.values)
+            return refused(look)
         nearest = min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
+        if astray and (nearest is None or nearest.type is None):  # it need not stand upright: the grasp will tell
+            return Success(Message("{part} is not recognised, but taken to lie where it was seen", part=part))
         return self._judge(nearest, believed)
 
     def _judge(self, nearest: Detection | None, believed: Pose) -> Outcome:
@@ -284,7 +276,7 @@ _UNKNOWN_SHAPE = Message("something of unknown shape")
 
 
 class VerifyPlace(LookingPrimitive):
-    """Only parts seen in the compartment are believed to be in it."""
+    """Only parts seen in the compartment are believed to be in it; others are looked for around it."""
 
     name: ClassVar[str] = "verify_place"
 
@@ -296,22 +288,54 @@ class VerifyPlace(LookingPrimitive):
         compartment: str = param(v.CONTAINER, "Where it should be.")
 
     def execute(self) -> Execution[Outcome]:
-        """Looks, at most twice."""
-        region = inner_region(self.context, self.params.compartment)
-        if isinstance(region, str):
-            return Failure(region)
-        strange = False
+        """Looks, at most twice; the second time where the kit is seen to be, and around."""
+        part, compartment = self.params.part, self.params.compartment
+        kit, wanted = kit_of(self.world, compartment), self.world.element(part).type
         for attempt in range(_LOOKS):
-            x, y, _ = region.pose.position
-            look = yield from self.look_for_parts(region, x + 0.03 * attempt, y)
-            if isinstance(look, NoMotion):
-                return Failure(look.reason, values=look.values)
-            wanted = self.world.element(self.params.part).type
+            seen_from = yield from self._look_into(compartment, kit, attempt)
+            if isinstance(seen_from, Failure):
+                return seen_from
+            region, picture = seen_from
+            look = yield from self.detect(region, picture)
             seen = next((d for d in look.detections if d.type == wanted), None)
             if seen is not None:
                 return self._confirm(seen)
-            strange = any(d.type is None for d in look.detections)
-        return self._deny(strange=strange)
+        looks: dict[Surface, DetectionResult] = {}
+        for place in surfaces(self.context, kit, compartment) if kit is not None else ():
+            looks[place] = yield from self.detect(place.region, picture)
+        for let_go in (None, region.pose):  # first what is recognised, then what may lie aslant on the kit
+            for place, seen_there in looks.items():
+                pose = lost_part(self.context, part, seen_there, let_go if place.place == kit else None)
+                if pose is not None:
+                    return self._astray(place, pose)
+        return self._deny(strange=any(d.type is None for d in look.detections))
+
+    def _look_into(
+        self, compartment: str, kit: str | None, attempt: int
+    ) -> Execution[tuple[Region, tuple[DepthImage, Pose]] | Failure]:
+        """Takes a picture of a compartment; from the second on, the kit is first looked for in it."""
+        region = inner_region(self.context, compartment)
+        if isinstance(region, str):
+            return Failure(region)
+        x, y, surface = region.pose.position
+        picture = yield from self.look_down(x + 0.03 * attempt, y, surface)
+        if isinstance(picture, NoMotion):
+            return refused(picture)
+        believed = map_pose(self.context, kit) if kit is not None and attempt else None
+        if kit is not None and believed is not None:
+            yield from self.register(kit, believed, picture)
+        now = inner_region(self.context, compartment)
+        return (now if isinstance(now, Region) else region), picture
+
+    def _astray(self, where: Surface, pose: Pose) -> Outcome:
+        part, compartment = self.params.part, self.params.compartment
+        known = {"part": part, "compartment": compartment, "relation": local_name(where.relation), "place": where.place}
+        reason = Message("{part} was released over {compartment}, but is seen {relation} {place}", **known)
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            tx.place(part, where.relation, where.place)
+            tx.set(part, v.MISSING, None)
+            self.write_in(tx, part, pose, where.place)
+        return Failure(reason)
 
     def _confirm(self, seen: Detection) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
@@ -320,7 +344,7 @@ class VerifyPlace(LookingPrimitive):
         ) as tx:
             tx.place(part, v.IN, compartment)
             tx.set(part, v.MISSING, None)
-            write_pose(tx, part, seen.pose)
+            self.write_in(tx, part, seen.pose, compartment)
         return Success(Message("{part} is in {compartment}", part=part, compartment=compartment))
 
     def _deny(self, *, strange: bool) -> Outcome:

@@ -1,25 +1,33 @@
-"""Puts what the gripper holds into a compartment, or back onto a storage place, and lets go."""
+"""Puts what the gripper holds into a compartment, or back onto a storage place, and lets go.
+
+The way down ends on contact. How high that is tells the floor from what stands around it: what has landed on a wall is
+not let go.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import HandlingPrimitive
+import numpy as np
+
+from skiros_primitives.arm_moves import HandlingPrimitive, refused
+from skiros_primitives.contact import GENTLE
 from skiros_primitives.gripper import firm_force, move_fingers
-from skiros_primitives.looking import inner_region, support_region
+from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.part_models import level
-from skiros_py.geometry import Pose
+from skiros_primitives.surfaces import inner_region, kit_of, support_region
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message
-from skiros_py.ports.motion import MotionPlan, NoMotion
+from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory
 from skiros_py.ports.perception import Region
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, owner
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -27,9 +35,19 @@ from skiros_py.world.poses import write_pose
 _DROP = 0.004
 """Height above the floor at which the part is released [m]."""
 _LANDING = 0.012
-"""How far above this a part that has met something stands on the floor already [m]."""
-_OPEN = 0.016
-"""How far the fingers open past the part's width [m]; more could touch the walls."""
+"""How far above this a part that has met something stands on the floor already, unless the walls are lower [m]."""
+_OVER = 0.010
+"""How far above the walls the way down becomes slow [m]."""
+_FAST, _SLOW = 0.20, 0.06
+"""Greatest speeds on the way down [m/s]."""
+_OPEN, _LEAST_OPEN = 0.016, 0.004
+"""How far the fingers open past the part's width: where there is room, and in any case [m]."""
+_FINGER = (0.011, 0.015, 0.010)
+"""Half the width of a finger, its thickness, and how far it reaches beyond the tip [m]."""
+_BEHIND = 0.020
+"""Length of a finger above the tip that is looked at for things beside it [m]."""
+_STEP = 0.0015
+"""Distance between the points of fingers that are looked at, across them [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,92 +59,283 @@ class PuttingParams:
     part: str = param(v.MANIPULATABLE, "The part it holds.")
 
 
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """Where a part is put.
+
+    Attributes:
+        place: The place.
+        poses: Returns the poses at which it may be released, in the map, as believed now.
+        touching: Ids of what may be touched there.
+        believed: Where it is believed to be once it was released; no look has shown it yet.
+        walls: Height of what stands around it there [m].
+    """
+
+    place: str
+    poses: Callable[[], Sequence[Pose]]
+    touching: frozenset[str]
+    believed: Placement
+    walls: float = 2.0 * _LANDING
+
+    @property
+    def landing(self) -> float:
+        """How far above its end a contact ends the way down well [m]."""
+        return min(_LANDING, self.walls / 2.0)
+
+
 class PuttingPrimitive(HandlingPrimitive):
     """Base of the primitives that put something down; their parameters are :class:`PuttingParams` and more."""
 
-    def put(
-        self, poses: Sequence[Pose], place: str, touching: Iterable[str], believed: Placement
-    ) -> Execution[Outcome]:
-        """Approaches, opens, retreats.
+    lifts: ClassVar[tuple[float, ...]] = (0.12,)
+    """From how high above the release the part comes down, best first [m]."""
 
-        Args:
-            poses: Where the part may be released, in the map.
-            place: Where that is.
-            touching: Ids of what may be touched there.
-            believed: Where the part is believed to be once it was released; no look has shown it yet.
-        """
+    def put(self, spot: Spot) -> Execution[Outcome]:
+        """Approaches, comes down, opens, retreats."""
         holding = held_by(self.context, self.params.gripper)
         if holding is None or holding[0] != self.params.part:
             return Failure(
                 Message("{gripper} does not hold {part}", gripper=self.params.gripper, part=self.params.part)
             )
-        sits = holding[1].pose.inverse()
-        chosen, planned = yield from self.plan_fresh("place", [level(pose) @ sits for pose in poses], touching)
+        turns = [pose.yaw for pose in spot.poses()]
+        chosen, lift, planned = yield from self._plan(spot)
         if isinstance(planned, NoMotion):
-            reason = Message("{place} cannot be reached: {reason}", place=place, reason=planned.reason)
-            return Failure(reason, values=planned.values)
-        outcome = yield from self._release(planned, place, believed)
+            return self.unreachable(spot, planned)
+        self.progress(1, Message("approaching"))
+        refusal = yield from self.follow(planned.legs[0])
+        outcome = refused(refusal) if refusal else (yield from self.lower(spot, chosen, lift, planned))
         if isinstance(outcome, Failure):
-            turn = math.degrees(poses[chosen].yaw)
+            yield from self.recover()
+            turn = math.degrees(turns[chosen])
             self.context.tried.note("place", chosen, Message("put down turned by {turn:.0f} deg", turn=turn))
         return outcome
 
-    def _release(self, planned: MotionPlan, place: str, believed: Placement) -> Execution[Outcome]:
-        gripper, width = self.gripper, self.world.value(self.params.part, v.GRASP_WIDTH)
-        refusal = yield from self.come_down(planned, landing=_LANDING)
-        if refusal is not None:
-            return Failure(refusal.reason, values=refusal.values)
-        self.progress(2, Message("releasing"))
-        before = gripper.state.gap
-        gap = min(self.gripper_spec.max_gap, (width if isinstance(width, float) else before) + _OPEN)
+    def _plan(self, spot: Spot) -> Execution[tuple[int, float, MotionPlan | NoMotion]]:
+        """Plans for the pose at which the fingers have most room to open; from lower above where it has to be."""
+        tools = self.tools(spot)
+        rooms = [self.room(tool) for tool in tools]
+        for lift, room in product(self.lifts, sorted(set(rooms), reverse=True)):
+            numbers = [number for number, one in enumerate(rooms) if one == room]
+            fresh = self.context.tried.fresh("place", numbers)
+            for some in filter(None, (fresh, [number for number in numbers if number not in fresh])):
+                planned = yield from self.plan([self.way(tools[number], spot, lift) for number in some])
+                if isinstance(planned, MotionPlan):
+                    return some[planned.route], lift, planned
+        return 0, 0.0, planned
+
+    @staticmethod
+    def unreachable(spot: Spot, why: NoMotion) -> Failure:
+        """Returns the failure where no way to a place was found."""
+        reason = Message("{place} cannot be reached: {reason}", place=spot.place, reason=why.reason)
+        return Failure(reason, values=why.values)
+
+    def tools(self, spot: Spot) -> list[Pose]:
+        """Returns the poses of the tool in the map at which the part may be released, as it is believed to sit now."""
+        holding = held_by(self.context, self.params.gripper)
+        assert holding is not None, "the part is held"
+        return [level(pose) @ holding[1].pose.inverse() for pose in spot.poses()]
+
+    def way(self, tool: Pose, spot: Spot, lift: float) -> Route:
+        """Returns the way from anywhere above a pose of the tool, fast to the walls, slowly down, and up again."""
+        high, near = Pose((0.0, 0.0, lift)) @ tool, Pose((0.0, 0.0, spot.walls + _OVER)) @ tool
+        line = [(near, _FAST), (tool, _SLOW), (high, _FAST)]
+        return (PoseMove(high), *(LineMove(pose, speed, spot.touching) for pose, speed in line))
+
+    def room(self, tool: Pose) -> float:
+        """Returns how far the fingers can open past what they hold, with the tool at a pose in the map [m]."""
+        return finger_room(obstacles(self.context, parts=True), tool, self.gripper.state.gap)
+
+    def lower(self, spot: Spot, chosen: int, lift: float, planned: MotionPlan) -> Execution[Outcome]:  # noqa: ARG002
+        """Comes down and lets go."""
+        refusal = yield from self.descend(planned.legs[1:], spot)
+        return refused(refusal) if refusal is not None else (yield from self.release(spot))
+
+    def descend(self, legs: Sequence[Trajectory], spot: Spot) -> Execution[NoMotion | None]:
+        """Follows the last legs of a way but that up again; returns why it did not come down to the floor."""
+        *fast, low, self.retreat = legs
+        self.progress(2, Message("coming down"))
+        for leg in fast:
+            refusal = yield from self.follow(leg, landing=0.0)
+            if refusal is not None:
+                return refusal
+        return (yield from self.follow(low, landing=spot.landing, tolerance=GENTLE))
+
+    def release(self, spot: Spot) -> Execution[Outcome]:
+        """Opens the fingers as far as there is room, and retreats."""
+        gripper = self.gripper
+        self.progress(3, Message("releasing"))
+        before, opening = gripper.state.gap, max(_LEAST_OPEN, self.room(self.tool_pose()))
+        gap = min(self.gripper_spec.max_gap, before + opening)
         state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
-        opened = state.gap >= before + 0.5 * _OPEN
+        opened = state.gap >= before + 0.5 * (gap - before)
         if opened:
-            reason = Message("released over {place}, not seen yet", place=place)
+            reason = Message("released over {place}, not seen yet", place=spot.place)
             with self.world.transaction(author=self.name, reason=reason) as tx:
-                tx.place(self.params.part, believed.relation, believed.place)
+                tx.place(self.params.part, spot.believed.relation, spot.believed.place)
                 write_pose(tx, self.params.part, None)  # a look has to determine it
-        self.progress(3, Message("retreating"))
+        self.progress(4, Message("retreating"))
         yield from self.recover()
         if not opened:
             return Failure(Message("the fingers did not open: gap {gap:.0f} mm", gap=state.gap * 1000.0))
-        return Success(Message("released over {place}", place=place))
+        return Success(Message("released over {place}", place=spot.place))
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""
-        if self.retreat is not None:
-            yield from self.follow_from_here(self.retreat, expected=self.weight(self.params.part))
-            self.retreat = None
+        if self.retreat is None:
+            return
+        for _ in range(_TRIES):
+            yield from self._settle(self.arm.state.positions)  # moving back from a contact it may not stand yet
+            if (yield from self.follow_from_here(self.retreat, expected=self.weight(self.params.part))) is None:
+                break
+        self.retreat = None
 
 
-class PutDown(PuttingPrimitive):
-    """Comes from straight above; approach and retreat are both checked before anything moves."""
+def finger_room(things: Iterable[Obstacle], tool: Pose, gap: float) -> float:
+    """Returns how far fingers can open beside walls and neighbours; what they open at most where nothing is near [m].
+
+    Args:
+        things: What stands around.
+        tool: Pose of the tool in the map; the fingers open along its y axis.
+        gap: Between the fingers now [m].
+    """
+    width, thick, ahead = _FINGER
+    y = np.arange(gap / 2.0, gap / 2.0 + thick + _OPEN / 2.0 + 2.0 * _STEP, _STEP)
+    grid = np.meshgrid(np.linspace(-width, width, 5), y, np.linspace(-_BEHIND, ahead, 6), indexing="ij")
+    points = np.stack(grid, axis=-1).reshape(-1, 3)
+    points = np.vstack([points, points * (1.0, -1.0, 1.0)])
+    hit = np.zeros(len(points), dtype=bool)
+    for thing in things:
+        for block in thing.solid.primitives:
+            at = np.abs((thing.pose @ block.pose).inverse().apply(tool.apply(points)))
+            if block.kind == "box":
+                hit |= np.all(at <= np.asarray(block.size) / 2.0, axis=1)
+            else:
+                hit |= (np.hypot(at[:, 0], at[:, 1]) <= block.size[0]) & (at[:, 2] <= block.size[1] / 2.0)
+    nearest = float(np.abs(points[hit, 1]).min(initial=math.inf)) - gap / 2.0 - thick
+    return min(_OPEN, max(0.0, 2.0 * (nearest - _STEP)))
+
+
+_EXACT = 0.001
+"""What is seen nearer than this to where it was aimed needs no other way [m]."""
+_TURN = 0.1
+"""An angle counts as this length times it [m/rad]."""
+_TRIES = 2
+"""So often it is looked where to come down; then the places beside are tried."""
+_SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
+_BESIDE = 0.0025
+"""How far beside [m]."""
+
+
+class PutDown(PuttingPrimitive, LookingPrimitive):
+    """Comes from straight above, looking into the compartment from there; all ways are checked before anything moves.
+
+    A part that lands on something higher than the floor is lifted again. Another look tells where the compartment is;
+    then the places a few millimetres beside it are tried.
+    """
 
     name: ClassVar[str] = "put_down"
+    lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14)
 
     @dataclass(frozen=True, slots=True)
     class Params(PuttingParams):
         """Parameters."""
 
+        camera: str = param(v.CAMERA, "The camera on the hand, to look before coming down.", kind=Kind.HARDWARE)
         compartment: str = param(v.CONTAINER, "Where to put it.")
 
     def execute(self) -> Execution[Outcome]:
         """Puts it into the compartment."""
-        region, compartment = inner_region(self.context, self.params.compartment), self.params.compartment
+        compartment = self.params.compartment
+        region, solid = inner_region(self.context, compartment), solid_of(self.world, compartment)
         if isinstance(region, str):
             return Failure(region)
-        kit = owner(self.world, compartment, v.CONTAINER) or ""
-        inside = {self.params.part, compartment, kit, *self.world.subjects(v.HAS_A, kit)}
-        poses = [region.pose @ pose for pose in self._places()]
-        return (yield from self.put(poses, compartment, inside, Placement(v.MAY_BE_IN, compartment)))
+        places = self._places(region)
 
-    def _places(self) -> list[Pose]:
-        """Release poses in the compartment: as taught, else in its centre, with sides aligned."""
+        def poses() -> list[Pose]:
+            now = map_pose(self.context, compartment) or region.pose
+            return [now @ pose for pose in places]
+
+        touching = frozenset({self.params.part, compartment})
+        walls = float(solid.bounds()[1][2]) if solid is not None else 0.0
+        return (yield from self.put(Spot(compartment, poses, touching, Placement(v.MAY_BE_IN, compartment), walls)))
+
+    def _places(self, region: Region) -> list[Pose]:
+        """Release poses in the compartment: as taught, else in its centre, at the quarter turns at which it fits."""
         placing = self.world.value(self.params.compartment, v.PLACING_POSE)
         if isinstance(placing, Pose):
             x, y, z = placing.position
             return [Pose((x, y, max(z, _DROP)), placing.orientation)]
-        return [Pose.of(0.0, 0.0, _DROP, yaw=quarter * math.pi / 2.0) for quarter in range(4)]
+        solid = solid_of(self.world, self.params.part)
+        low, high = solid.bounds() if solid is not None else (np.zeros(3), np.zeros(3))
+        quarters = fitting_quarters(((high - low)[:2] / 2.0).tolist(), region.half_extents)
+        return [Pose.of(0.0, 0.0, _DROP, yaw=quarter * math.pi / 2.0) for quarter in quarters]
+
+    def lower(self, spot: Spot, chosen: int, lift: float, planned: MotionPlan) -> Execution[Outcome]:
+        """Looks, corrects where to come down, and comes down; where it meets a wall, it tries again."""
+        tool, legs = self.tools(spot)[chosen], planned.legs[1:]
+        for attempt in range(_TRIES + len(_SIDES)):
+            if attempt < _TRIES:
+                seen = yield from self._look()
+                if isinstance(seen, str):
+                    return Failure(seen)
+                aimed, tool = tool, self.tools(spot)[chosen]
+                way = self.way(tool, spot, lift) if not seen or _apart(tool, aimed) > _EXACT else None
+            else:
+                x, y = _SIDES[attempt - _TRIES]
+                beside = replace(spot, touching=spot.touching | {kit_of(self.world, spot.place) or spot.place})
+                way = self.way(Pose((_BESIDE * x, _BESIDE * y, 0.0)) @ tool, beside, lift)[1:]
+            if way is not None:
+                again = yield from self.plan([way])
+                if isinstance(again, NoMotion) and attempt < _TRIES:  # there it may have to be turned
+                    chosen, lift, again = yield from self._plan(spot)
+                    tool = self.tools(spot)[chosen]
+                if isinstance(again, NoMotion):
+                    return self.unreachable(spot, again)
+                legs = again.legs
+            refusal = yield from self.descend(legs, spot)
+            if refusal is None:
+                return (yield from self.release(spot))
+            if not refusal.met:
+                return refused(refusal)
+            if attempt < _TRIES:
+                yield from self.recover()
+        known = {"part": self.params.part, "place": spot.place}
+        return Failure(Message("{part} lands on something higher than the floor of {place}, beside too", **known))
+
+    def _look(self) -> Execution[bool | str]:
+        """Looks where kit and compartment are, from where the arm is; where they are not seen from there, from aside.
+
+        Returns:
+            Whether the arm is still where it was; a text: why nothing can be put there.
+        """
+        camera, compartment = self.params.camera, self.params.compartment
+        kit = kit_of(self.world, compartment)
+        believed = map_pose(self.context, kit) if kit is not None else None
+        if kit is None or believed is None:
+            return True
+        picture = yield from self.capture()
+        result = yield from self.register(kit, believed, picture)
+        if result.pose is None:
+            known = {"arm": self.params.arm, "camera": camera, "kit": kit, "compartment": compartment}
+            outcome = yield from self.call("register_kit", **known)
+            return outcome.reason if isinstance(outcome, Failure) else False
+        yield from self.look_at_held(picture[0])
+        return (yield from self.content(compartment, picture)) or True
+
+
+def fitting_quarters(half: Sequence[float], room: Sequence[float]) -> Sequence[int]:
+    """Returns the quarter turns at which an outline fits into a rectangle; all where it fits at none.
+
+    Args:
+        half: Half lengths of the outline [m].
+        room: Half lengths of the rectangle [m].
+    """
+    straight, across = (all(h <= r for h, r in zip(one, room, strict=True)) for one in (half, half[::-1]))
+    return range(4) if straight == across else (0, 2) if straight else (1, 3)
+
+
+def _apart(one: Pose, other: Pose) -> float:
+    """Returns how far two poses are from each other, angles included [m]."""
+    return one.distance(other) + _TURN * abs(wrap_angle(one.yaw - other.yaw))
 
 
 _APART = 0.12
@@ -145,7 +354,7 @@ class PutBack(PuttingPrimitive):
     class Params(PuttingParams):
         """Parameters."""
 
-        place: str = param(v.CONTAINER, "Where to put it.")
+        place: str = param(v.LOCATION, "Where to put it.")
 
     def execute(self) -> Execution[Outcome]:
         """Puts it back; that it lies there is believed until a look shows something else."""
@@ -155,8 +364,9 @@ class PutBack(PuttingPrimitive):
         spots = self._free(region)
         if not spots:
             return Failure(Message("there is no free spot on {place}", place=self.params.place))
-        back = Placement(v.IN, self.params.place)
-        return (yield from self.put(spots, self.params.place, {self.params.part, self.params.place}, back))
+        place = self.params.place
+        touching = frozenset({self.params.part, place})
+        return (yield from self.put(Spot(place, lambda: spots, touching, Placement(v.IN, place))))
 
     def _free(self, region: Region) -> list[Pose]:
         """Returns free spots, the nearest first, each with the part turned as it is now and crosswise."""

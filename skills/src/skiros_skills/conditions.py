@@ -9,7 +9,9 @@ from skiros_py.skills.conditions import (
     ConditionType,
     Exists,
     Has,
+    IsA,
     Nothing,
+    Pattern,
     Related,
     Role,
 )
@@ -28,16 +30,31 @@ ROBOT_AT_LOCATION = ConditionType(
     Related(v.AT, "robot", "location"),
     "The robot stands where it can work at the location.",
 )
+_DOCKED = AnyOf(
+    (
+        Related(v.AT, "robot", "location"),
+        Exists("dock", v.STATION, AllOf((Related(v.HAS_A, "location", "dock"), Related(v.AT, "robot", "dock")))),
+    )
+)
 DOCKED_AT = ConditionType(
     "DockedAt",
     (Role("robot", v.ROBOT), Role("location", v.LOCATION)),
-    AnyOf(
-        (
-            Related(v.AT, "robot", "location"),
-            Exists("dock", v.STATION, AllOf((Related(v.HAS_A, "location", "dock"), Related(v.AT, "robot", "dock")))),
-        )
-    ),
+    _DOCKED,
     "The robot stands at the location or at one of the docking places that the location has.",
+)
+
+
+def _below(pattern: Pattern) -> Pattern:
+    """Returns that a pattern holds for something that stands on the location."""
+    upper = pattern.rename({"location": "upper"})
+    return Exists("upper", v.LOCATION, AllOf((Related(v.ON, "upper", "location"), upper)))
+
+
+STANDS_BY = ConditionType(
+    "StandsBy",
+    (Role("robot", v.ROBOT), Role("location", v.LOCATION)),
+    AnyOf((_DOCKED, _below(_DOCKED), _below(_below(_DOCKED)))),
+    "The robot is docked at the location, or at something that stands on it or on what stands on it.",
 )
 LOCATION_FREE = ConditionType(
     "LocationFree",
@@ -57,6 +74,18 @@ OBJECT_AT_LOCATION = ConditionType(
     Related(v.IN, "object", "location"),
     "The object lies in the container.",
     abstract=True,
+)
+IN_STORAGE = ConditionType(
+    "InStorage",
+    (Role("object", v.MANIPULATABLE), Role("location", v.LOCATION)),
+    AllOf((IsA("location", kitting.STORAGE_PLACE), Related(v.IN, "object", "location"))),
+    "The object lies in the storage place.",
+)
+LIES_ON = ConditionType(
+    "LiesOn",
+    (Role("object", v.MANIPULATABLE), Role("location", v.LOCATION)),
+    AllOf((Related(v.ON, "object", "location"), Has(v.POSE, "object"))),
+    "The object lies on the location, and it is known where.",
 )
 MAY_BE_IN = ConditionType(
     "MayBeIn",

@@ -1,17 +1,27 @@
-"""Pick: the arm takes a part out of a storage place."""
+"""Pick: the arm takes a part out of a storage place, or from where it was seen to lie."""
 
 from __future__ import annotations
 
 from skiros_py.behaviours import AssertEffects, Do, Fallback, P, Sequence
+from skiros_py.skills.conditions import all_of, any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBOT
-from skiros_skills import kitting
-from skiros_skills.conditions import EMPTY_HANDED, GRASPABLE, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
+from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, LOCATION, MANIPULATABLE, ROBOT
+from skiros_skills.conditions import (
+    CARRYING,
+    EMPTY_HANDED,
+    GRASPABLE,
+    HAS_PART,
+    HOLDING,
+    IN_STORAGE,
+    LIES_ON,
+    ROBOT_AT_LOCATION,
+    STANDS_BY,
+)
 
 DESCRIPTION = SkillDescription(
     name="pick",
-    help="Picks a part from a storage place.",
+    help="Picks a part from a storage place, or from where it lies.",
     agent="Arm",
     target="Object",
     params=(
@@ -19,15 +29,20 @@ DESCRIPTION = SkillDescription(
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
         Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
-        Param("Container", kitting.STORAGE_PLACE, "Where the part lies."),
+        Param("Container", LOCATION, "Where the part lies."),
         Param("Object", MANIPULATABLE, "The part."),
     ),
     pre=(
         HAS_PART("Robot", "Arm"),
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
-        ROBOT_AT_LOCATION("Robot", "Container"),
-        OBJECT_AT_LOCATION("Object", "Container"),
+        any_of(
+            all_of(ROBOT_AT_LOCATION("Robot", "Container"), IN_STORAGE("Object", "Container")),
+            all_of(
+                LIES_ON("Object", "Container"),
+                any_of(STANDS_BY("Robot", "Container"), CARRYING("Robot", "Container"), HAS_PART("Robot", "Container")),
+            ),
+        ),
         GRASPABLE("Object", "Gripper"),
         EMPTY_HANDED("Gripper"),
     ),

@@ -51,7 +51,14 @@ PLACE = Skill(
     DESCRIPTION,
     Sequence.of(
         Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit"), compartment=P("Compartment")),
-        Do.of("put_down", arm=P("Arm"), gripper=P("Gripper"), part=P("Object"), compartment=P("Compartment")),
+        Do.of(
+            "put_down",
+            arm=P("Arm"),
+            gripper=P("Gripper"),
+            camera=P("Camera"),
+            part=P("Object"),
+            compartment=P("Compartment"),
+        ),
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),
     finish=Do.of("move_arm", arm=P("Arm")),

@@ -91,11 +91,12 @@ def test_each_kind_of_pattern_is_part_of_an_action_or_refused_with_its_skill(kin
         with pytest.raises(PlanningError, match=rf"skill 'pick', precondition .*: {REFUSED[kind]}"):
             actions_of(skill, tiny_ontology())
         return
-    plain = set(actions_of(PICK, tiny_ontology())[0].atoms)
+    plain = actions_of(PICK, tiny_ontology())[0]
     holds_anyway = (not negated and kind in (Related, AnyOf)) or (negated and kind is Not)
 
     for action in actions_of(skill, tiny_ontology()):
-        assert set(action.atoms) != plain or holds_anyway, "pick needs In(Ball, Box) already"
+        differs = set(action.atoms) != set(plain.atoms) or action.parameters != plain.parameters
+        assert differs or holds_anyway, "pick needs In(Ball, Box) already"
 
 
 @_kinds

@@ -320,3 +320,14 @@ def test_replay_and_pddl_agree_on_the_skills_of_one_door_in_any_order(names: lis
     plan = [Step(name, {key: mine[key] for key in params[name]}) for name in names[:count]]
 
     assert (replay(WORLD, plan, [], {s.name: s for s in TOLD}) is not None) == pddl_flaw(plan)
+
+
+def test_a_class_that_a_precondition_asks_for_becomes_that_of_the_parameter() -> None:
+    red = skill("paint", _PART, _DOOR, pre=(RED("Part"), BEHIND("Part", "Door")), post=(SCANNED("Part"),))
+
+    (action,) = actions_of(red, tiny_ontology())
+
+    assert [v.type for v in action.parameters if v.name == "?Part"] == ["tiny:RedBall"]
+    assert [atom.predicate for atom in action.pre] == ["can_paint", "sk:on"]
+    assert steps_of(planned(WORLD, SCANNED("red_ball_2"), skills=[red]).outcome) == ["paint"]
+    assert "not a RedBall" in why_not(WORLD, SCANNED("ball_2"), skills=[red])

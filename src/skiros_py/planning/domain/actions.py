@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from itertools import count, product
 
 from skiros_py.errors import DescriptionError, PlanningError
 from skiros_py.planning.domain.literals import (
     CAN,
+    IS,
     Asked,
     Conjunction,
     allows_value,
@@ -236,18 +237,39 @@ def actions_of(
     Raises:
         PlanningError: A condition cannot be expressed in typed STRIPS; the message names it.
     """
+    return _translated(skill, ontology, None if asked is None else tuple(asked.items()))
+
+
+@lru_cache(maxsize=64)
+def _translated(
+    skill: SkillDescription, ontology: Ontology, literals: tuple[tuple[str, Asked | Not], ...] | None
+) -> tuple[Action, ...]:
     where = f"skill '{skill.name}'"
     fresh = count(1)
     needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
-    if asked is None:
-        asked = asked_literals((c.pattern for c in needed), ontology)
+    asked = asked_literals((c.pattern for c in needed), ontology) if literals is None else dict(literals)
     effects = _effects(skill, ontology, asked)
     variants = [
         _action(skill, variant, effects, asked, _chosen(needed, choices, variant)) for variant in product(*choices)
     ]
-    complete = (action for variant in variants for action in with_implicit_deletes(variant, ontology))
+    narrow = (_narrowed(variant, ontology) for variant in variants)
+    complete = (action for variant in narrow for action in with_implicit_deletes(variant, ontology))
     return numbered(map(_with_question_marks, complete))
+
+
+def _narrowed(action: Action, ontology: Ontology) -> Action:
+    """Gives parameters the narrower classes that preconditions ask of them, instead of those preconditions."""
+    classes = {parameter.name: parameter.type for parameter in action.parameters}
+    pre = []
+    for atom in action.pre:
+        class_, name = atom.predicate.removeprefix(IS), atom.arguments[0]
+        if atom.predicate.startswith(IS) and name in classes and ontology.is_a(class_, classes[name]):
+            classes[name] = class_
+        else:
+            pre.append(atom)
+    parameters = tuple(replace(one, type=classes[one.name]) for one in action.parameters)
+    return replace(action, parameters=parameters, pre=tuple(pre))
 
 
 def _chosen(
