@@ -13,15 +13,18 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.contact import believe_obstacle
+from skiros_primitives.contact import WholeMotion, believe_obstacle
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
+from skiros_primitives.postures import unstowed
+from skiros_primitives.travelling import TravellingArms
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.geometry import Array, Pose, wrap_angle
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinematics import BASE_JOINTS, Dynamics, JointMotion, Kinematics
+from skiros_py.ports.kinematics import Dynamics, Kinematics
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import Layer, Outline, Path, reach
 from skiros_py.skills.context import RunContext, Way
@@ -51,36 +54,20 @@ class Bumper:
     """
 
     def __init__(self, context: RunContext, base: Mobile) -> None:
-        dynamics = context.ports.find(Dynamics, base.id)
-        self._inertia = _inertia(dynamics) if dynamics is not None else None
+        self._dynamics = context.ports.find(Dynamics, base.id)
+        self._motion = WholeMotion(context, context.cell.group_of(base.id))
         self._base = base
-        self._period = context.board.period
-        self._before = self._read()[1]
         self._pushes = 0
 
     def felt(self) -> bool:
         """Returns True when the base has pushed something for some cycles."""
-        exerted, speeds = self._read()
-        if self._inertia is None or exerted is None:
+        exerted = [getattr(self._base.state, name, None) for name in ("force", "torque")]
+        motion = self._motion.since_before()
+        if self._dynamics is None or None in exerted:
             return False
-        needed = self._inertia * (speeds - self._before) / self._period
-        self._before = speeds
-        self._pushes = self._pushes + 1 if (np.abs(exerted - needed) > _PUSH).any() else 0
+        needed = self._dynamics.efforts(motion)[[0, 2]]  # ahead and around
+        self._pushes = self._pushes + 1 if (np.abs(np.array(exerted) - needed) > _PUSH).any() else 0
         return self._pushes >= _PUSHES
-
-    def _read(self) -> tuple[Array | None, Array]:
-        """Returns force and moment, None where they are not measured; and the speeds ahead and around."""
-        exerted, speeds = (
-            [getattr(self._base.state, name, None) for name in names]
-            for names in (("force", "torque"), ("linear", "angular"))
-        )
-        return None if None in exerted else np.array(exerted), np.array([speed or 0.0 for speed in speeds])
-
-
-def _inertia(dynamics: Dynamics) -> Array:
-    """Returns the mass of a robot [kg] and its moment of inertia around its base [kg m²]."""
-    zero, one = np.zeros(1), np.ones(1)
-    return np.array([dynamics.mass, *dynamics.efforts(JointMotion(BASE_JOINTS[2:], zero, zero, one))])
 
 
 _TURNING = 0.02
@@ -124,6 +111,7 @@ class DrivingPrimitive(Primitive[Any]):
         max_linear: float = math.inf,
         max_angular: float = math.inf,
         lookout: Lookout | None = None,
+        arms: TravellingArms | None = None,
     ) -> Execution[float | None]:
         """Follows a path, and waits until the base stands.
 
@@ -134,6 +122,7 @@ class DrivingPrimitive(Primitive[Any]):
             max_linear: Greatest speed [m/s], besides the limit of the base.
             max_angular: Greatest turning speed [rad/s], besides the limit of the base.
             lookout: Tells whether something unknown is in the way; then it stops.
+            arms: Arms that move meanwhile; it waits for them where they say so, and stops when one meets something.
 
         Returns:
             None, or how many legs were driven where the base got stuck.
@@ -156,8 +145,12 @@ class DrivingPrimitive(Primitive[Any]):
             elif self.context.now >= deadline:
                 return driven
             way.passed(reached)
-            base.command(target)
+            if arms is None or not arms.must_wait():
+                base.command(target)
             yield
+            if arms is not None and arms.touched:
+                yield from self.stand(base)
+                return driven
             if bumper.felt():
                 ahead = getattr(target, "linear", 1.0)
                 self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
@@ -224,51 +217,86 @@ class DriveBase(DrivingPrimitive):
         robot: str = param(v.ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
         location: str = param(v.LOCATION, "Where to go; it has a driving pose.")
 
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
     _shape: tuple[Layer, ...] = ()
     _waits_for = ""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
     _in_use = 0.0
     """When something last ran on every robot that blocks the path [s]."""
+    _surprises = 0
+    """How often something unknown was in the way."""
+    _again = False
+    """Whether another attempt makes sense."""
 
     def execute(self) -> Execution[Outcome]:
-        """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
+        """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped.
+
+        Its arms are stowed while it leaves, and reach out while it arrives.
+        """
         goal = self._goal()
         if isinstance(goal, Failure):
             return goal
         base = Mobile(self.context.board, self.params.base)
-        self._shape = floor_obstacles.shape(self.context, self.context.cell.group_of(self.params.base))
-        outline = floor_obstacles.outline(self._shape)
         self._in_use = self.context.now
-        deadline, surprises = self.context.now + _COURTESY, 0
+        deadline = self.context.now + _COURTESY
         while True:
+            arms = TravellingArms(self.context, self._robot, self.params.location, goal)
+            stuck = yield from self._stow(arms)
+            if stuck is not None:
+                return stuck
+            self._shape = floor_obstacles.shape(self.context, self._robot, arms.postures)
+            self._again = False
+            _, outcome = yield from self.join(arms.move(), self._attempt(base, goal, deadline, arms))
+            if not self._again:
+                return outcome
+
+    def _stow(self, arms: TravellingArms) -> Execution[Failure | None]:
+        """Plans how an arm is stowed while the base leaves; several, or one without a planner, are stowed before."""
+        robot, location = self.params.robot, self.params.location
+        extended = unstowed(self.context, self._robot, location)
+        if len(extended) == 1 and arms.plans(extended[0]):
+            return (yield from arms.plan_stowing(extended[0]))
+        stowed = (yield from self.call("stow_arms", robot=robot, location=location)) if extended else None
+        return stowed if isinstance(stowed, Failure) else None
+
+    def _attempt(self, base: Mobile, goal: Pose, deadline: float, arms: TravellingArms) -> Execution[Outcome]:
+        """Plans one path and drives it as soon as it is free; says in ``_again`` whether to try another one."""
+        try:
+            outline = floor_obstacles.outline(self._shape)
             path = yield from self._plan(goal)
             if isinstance(path, NoMotion):
-                return Failure(
-                    Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
-                )
+                return self._no_way(path.reason)
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
-                    outcome = yield from self._follow(base, path, way, goal)
-                    if not (self.bumped or self.seen) or (surprises := surprises + 1) > _SURPRISES:
-                        return outcome
-                    continue
+                    outcome = yield from self._follow(base, path, way, goal, arms)
+                    if self.bumped or self.seen:
+                        self._surprises += 1
+                        self._again = self._surprises <= _SURPRISES
+                    return outcome
             if found is not None and not isinstance(found, Failure):
+                yield from arms.settled()
                 found = yield from self._give_way(base, found, outline, deadline)
-            if isinstance(found, Failure):
-                return found
+            self._again = not isinstance(found, Failure)
+            return found if isinstance(found, Failure) else Success()
+        finally:
+            arms.ended = True
 
-    def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose) -> Execution[Outcome]:
+    def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose, arms: TravellingArms) -> Execution[Outcome]:
+        yield from arms.find_clear(path)
         if path.legs:
             self.leave(Message("drives off"))
         yield  # the way was asked for in this cycle, which takes some milliseconds, too
-        robot = self.context.cell.group_of(self.params.base)
         known = obstacles(self.context, parts=True)
-        lookout = Lookout(self.context, robot, self._shape, self.pose, path, known, self._met)
-        stuck = yield from self.drive(base, path, way, lookout=lookout)
+        lookout = arms.lookout = Lookout(self.context, self._robot, self._shape, self.pose, path, known, self._met)
+        stuck = yield from self.drive(base, path, way, lookout=lookout, arms=arms)
         if stuck is None:
             return self._arrived(self.pose, goal)
+        if arms.touched:
+            yield from arms.settled()
+            return arms.met or Failure(Message("an arm met something at {location}", location=self.params.location))
         if self.bumped:
             yield from self._back_off(base)
         leg, legs = int(stuck) + 1, len(path.legs)
@@ -319,10 +347,13 @@ class DriveBase(DrivingPrimitive):
         request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
+    @property
+    def _robot(self) -> RobotSpec:
+        return self.context.cell.group_of(self.params.base)
+
     def _things(self) -> tuple[Obstacle, ...]:
-        robot = self.context.cell.group_of(self.params.base)
         there = obstacles(self.context, parts=False)
-        carried = frozenset(one.id for one in there if floor_obstacles.rides(self.context, one.id, robot))
+        carried = frozenset(one.id for one in there if floor_obstacles.rides(self.context, one.id, self._robot))
         return obstacles(self.context, parts=False, without=carried)
 
     def _wait_until_free(self, way: Way, outline: Outline, deadline: float) -> Execution[Path | Failure | None]:

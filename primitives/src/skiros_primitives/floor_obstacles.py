@@ -18,7 +18,7 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, placed, reach
+from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, reach, swept
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import held_by, map_pose, obstacles
 from skiros_py.world import vocabulary as v
@@ -111,19 +111,20 @@ def shape(
     return tuple(layers)
 
 
-def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Sequence[float], pose: Pose) -> bool:
-    """Returns whether an arm would touch something, or a part that may stand on it, where its robot stands at a pose.
+def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Sequence[float], *poses: Pose) -> bool:
+    """Returns whether an arm would touch something, or a part that may stand on it, while its robot drives along poses.
 
     Args:
         context: The run.
         robot: The robot.
         arm: Id of the arm.
         posture: Its joint angles [rad].
-        pose: Pose of the base in the map.
+        *poses: Poses of the base in the map; one alone for where it stands.
     """
     things = [one for one in obstacles(context, parts=False) if not rides(context, one.id, robot)]
     for layer in shape(context, robot, {arm: posture})[1:]:
-        area, bottom = placed(layer.outline, pose), layer.bottom - _PARTS
+        area = shapely.union_all(swept(layer.outline, (poses[0], *poses)))
+        bottom = layer.bottom - _PARTS
         if any(shapely.dwithin(floor_area(one.solid, one.pose, bottom, layer.top), area, _APART) for one in things):
             return True
     return False

@@ -39,6 +39,12 @@ DOCKED_AT = ConditionType(
     ),
     "The robot stands at the location or at one of the docking places that the location has.",
 )
+HAS_DOCKS = ConditionType(
+    "HasDocks",
+    (Role("location", v.LOCATION),),
+    Exists("dock", v.STATION, Related(v.HAS_A, "location", "dock")),
+    "The location has docking places: several robots can work there.",
+)
 LOCATION_FREE = ConditionType(
     "LocationFree",
     (Role("location", v.LOCATION),),
