@@ -377,8 +377,10 @@ class ArmPrimitive(Primitive[Any]):
         return self.context.frames.at(self.context.board.snapshot).located(self.params.arm)
 
 
-_LIFT = 0.12
+_LIFT = 0.10
 """How far above a grasp or a release the approach starts and the retreat ends [m]."""
+_DOWN, _UP = 0.20, 0.35
+"""Speed down, where things are met, and up again the same way [m/s]."""
 
 
 class HandlingPrimitive(ArmPrimitive):
@@ -402,7 +404,10 @@ class HandlingPrimitive(ArmPrimitive):
         found: list[Route] = []
         for tool in tools:
             high = Pose((0.0, 0.0, _LIFT)) @ tool
-            down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
+            down, up = (
+                LineMove(pose, speed=speed, touching=frozenset(touching))
+                for pose, speed in ((tool, _DOWN), (high, _UP))
+            )
             found.append((PoseMove(high), down, up))
         return found
 

@@ -70,6 +70,8 @@ class Bumper:
         return self._pushes >= _PUSHES
 
 
+_SETTLED = 0.05
+"""Time after which a localiser says where a base stands that has come to rest [s]."""
 _TURNING = 0.02
 """Speed up to which a base only turns [m/s]."""
 
@@ -170,7 +172,7 @@ class DrivingPrimitive(Primitive[Any]):
         yield
         while not base.still and self.context.now < deadline:
             yield
-        settled = self.context.now + 0.1
+        settled = self.context.now + _SETTLED
         while self.context.now < settled:
             yield
 

@@ -30,6 +30,8 @@ _HAND = 0.12
 _CORNERS = 8
 _LINK = 0.08
 """How far links stick out around the line between their joints [m]."""
+_END = 0.03
+"""How far they stick out at its ends [m]."""
 _PARTS = 0.15
 """Height of parts that may stand on things [m]."""
 _APART = 0.03
@@ -158,7 +160,10 @@ def _pieces(
 def _covered(points: Array, radius: float) -> Layer:
     turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     around = (points[:, None, :2] + radius * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
-    bottom, top = float(points[:, 2].min()) - radius, float(points[:, 2].max()) + radius
+    way = points[1] - points[0]
+    rise = abs(way[2]) / max(1e-9, float(np.linalg.norm(way)))
+    beyond = max(min(radius, _END), radius * math.sqrt(max(0.0, 1.0 - rise**2)))  # as a rod that sticks out all around
+    bottom, top = float(points[:, 2].min()) - beyond, float(points[:, 2].max()) + beyond
     return Layer(tuple((float(x), float(y)) for x, y in around), bottom, min(TALLEST, top))
 
 

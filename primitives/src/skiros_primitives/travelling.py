@@ -35,13 +35,15 @@ _WAITING = 0.28
 """... and after which the base waits for it: it brakes within the rest."""
 _PLANNING = 0.40
 """Way left when the motion of an arm that reaches out is planned [m] ..."""
-_REACHING = 0.08
-"""... and when it begins: what is left of the drive takes about as long."""
-_RETREAT = 0.25
+_REACHING = 0.20
+"""... and when it begins at the earliest; it begins so that it takes as long as the rest of the drive."""
+_BRAKING = 0.5
+"""How fast bases brake at the end [m/s²], about."""
+_RETREAT = 0.35
 """Way before its goal to which the base may come back meanwhile, when it meets something [m]."""
 _STRAIGHT = math.radians(5.0)
 """Greatest difference from the heading at the goal on that way [rad]."""
-_CHECKED = 12
+_CHECKED = 8
 """Number of postures of a motion whose areas are checked, one per cycle."""
 _STRANGE = 1.0
 """An arm does not reach out where something unknown is seen this near to the place [m]."""
@@ -186,9 +188,11 @@ class TravellingArms:
             if reaches_over(self._context, self._robot, arm.params.arm, postures[sample].tolist(), *way):
                 return Success()
             yield
-        while not (self.ended or self._is_near(_REACHING)):
+        left = 0.5 * _BRAKING * (len(postures) * self._context.board.period) ** 2
+        begins = min(_REACHING, left)
+        while not (self.ended or self._is_near(begins)):
             yield
-        if self._is_near(_REACHING) and not self._is_strange(point):
+        if self._is_near(begins) and not self._is_strange(point):
             self._reaching = arm
             yield from arm.follow_plan(planned)
         return Success()

@@ -25,7 +25,7 @@ DESCRIPTION = SkillDescription(
         any_of(ROBOT_AT_LOCATION("Robot", "Location"), LOCATION_FREE("Location")),  # one place takes one robot
     ),
     post=(ROBOT_AT_LOCATION("Robot", "Location"),),
-    duration=20.0,
+    duration=12.0,
 )
 
 DRIVE = Skill(

@@ -32,7 +32,7 @@ DESCRIPTION = SkillDescription(
         EMPTY_HANDED("Gripper"),
     ),
     post=(HOLDING("Gripper", "Object"), ~EMPTY_HANDED("Gripper")),
-    duration=6.0,
+    duration=5.0,
 )
 
 PICK = Skill(

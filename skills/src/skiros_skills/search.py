@@ -44,7 +44,7 @@ DESCRIPTION = SkillDescription(
         EMPTY_HANDED("Gripper"),
     ),
     post=(OBJECT_AT_LOCATION("Object", "Compartment"),),
-    duration=4.0,
+    duration=3.0,
 )
 
 SEARCH = Skill(
