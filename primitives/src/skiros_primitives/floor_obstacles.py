@@ -104,7 +104,9 @@ def shape(
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
-            around = [_covered(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))]
+            around = [
+                covered_by_link(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))
+            ]
             out = [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
             if out:
                 hull = shapely.MultiPoint(outline(out)).convex_hull
@@ -157,7 +159,13 @@ def _pieces(
             yield (poses[arm.tip] @ holding[1].pose).apply(corners), 0.0
 
 
-def _covered(points: Array, radius: float) -> Layer:
+def covered_by_link(points: Array, radius: float) -> Layer:
+    """Returns what a link covers that sticks out around the line between two points, or a body between its corners.
+
+    Args:
+        points: In the frame of the base [m], shape (n, 3).
+        radius: How far it sticks out [m].
+    """
     turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     around = (points[:, None, :2] + radius * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
     way = points[1] - points[0]

@@ -43,7 +43,7 @@ _RETREAT = 0.35
 """Way before its goal to which the base may come back meanwhile, when it meets something [m]."""
 _STRAIGHT = math.radians(5.0)
 """Greatest difference from the heading at the goal on that way [rad]."""
-_CHECKED = 8
+_CHECKED = 12
 """Number of postures of a motion whose areas are checked, one per cycle."""
 _STRANGE = 1.0
 """An arm does not reach out where something unknown is seen this near to the place [m]."""
@@ -135,7 +135,7 @@ class TravellingArms:
         for sample in reversed(_samples(postures)):
             if reaches_over(self._context, self._robot, mover.params.arm, postures[sample].tolist(), *near):
                 return
-            self._clear_after = (sample - len(postures) / _CHECKED) * self._context.board.period
+            self._clear_after = sample * self._context.board.period
             yield
 
     def must_wait(self) -> bool:
@@ -149,8 +149,8 @@ class TravellingArms:
     @property
     def touched(self) -> bool:
         """True when an arm has met something."""
-        moving = [self._reaching, *(self._stowing or ())[:1]]
-        return self.met is not None or any(isinstance(arm, _TravellingArm) and arm.touched for arm in moving)
+        stowing = self._stowing[0] if self._stowing is not None else None
+        return self.met is not None or any(arm.touched for arm in (stowing, self._reaching) if arm is not None)
 
     def settled(self) -> Execution[None]:
         """Waits until the arm that is being stowed has ended its motion."""
