@@ -7,7 +7,6 @@ be at that moment; the base waits where the arm is not that far yet.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -228,6 +227,6 @@ class TravellingArms:
         return bool((np.hypot(*(strange[:, :2] - point[:2]).T) < _STRANGE).any())
 
 
-def _samples(postures: Array) -> Sequence[int]:
+def _samples(postures: Array) -> list[int]:
     """Returns the numbers of postures that are spread over a motion, with its ends."""
-    return np.unique(np.linspace(0, len(postures) - 1, _CHECKED).round().astype(int)).tolist()
+    return sorted({round(sample) for sample in np.linspace(0, len(postures) - 1, _CHECKED).tolist()})
