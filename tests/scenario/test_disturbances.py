@@ -135,9 +135,10 @@ def hood(over: tuple[float, float, float]) -> BodySpec:
     return BodySpec("hood", "test:Hood", Solid((*walls, lid)), pose=Pose(over))
 
 
-def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base_drives(open_session, when):
+def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base_is_on_its_way(open_session, when):
     session = open_session("kitting_carried", seed=6)
     home = session.spec.robots[0].of(ArmSpec)[0].home
+    truth = Truth(session.simulation)
 
     def away():
         now = session.cycle.board.snapshot.state("arm_1", ArmState).positions
@@ -148,19 +149,23 @@ def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base
     when(session, lambda: "grasp approaching" in events and away() > 0.5, session.stop)
     assert session.run().stopped
     assert away() > 0.5
-    driven_with: list[float] = []
-    session.cycle.observe(
-        lambda: (
-            driven_with.append(away())
-            if abs(session.cycle.board.snapshot.state("base_1", BaseState).linear) > 0.05
-            else None
-        )
-    )
+    session.cycle.observe(truth.watch)
+    start, extended_at = truth.base_pose("base_1"), []
+
+    def look():
+        base = session.cycle.board.snapshot.state("base_1", BaseState)
+        if abs(base.linear) > 0.05 and away() > 0.06:
+            extended_at.append(truth.base_pose("base_1"))
+
+    session.cycle.observe(look)
 
     report = session.run(["RobotAtLocation(robot_1, pallet_b)"])
 
     assert report.reached
-    assert max(driven_with) < 0.06
+    end = truth.base_pose("base_1")
+    assert extended_at
+    assert all(pose.distance(start) < 0.4 or pose.distance(end) < 0.25 for pose in extended_at)
+    assert truth.worst == {}
 
 
 def test_a_pick_cancelled_while_lifting_puts_the_part_back_instead_of_dropping_it(open_session):

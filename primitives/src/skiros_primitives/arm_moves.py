@@ -156,6 +156,9 @@ def is_stowed(context: RunContext, arm: ArmSpec) -> bool:
 class ArmPrimitive(Primitive[Any]):
     """Base of the primitives that move an arm; their parameters have a field ``arm``."""
 
+    touched = False
+    """True once the arm has met something."""
+
     @property
     def arm(self) -> Arm:
         """The arm."""
@@ -244,15 +247,22 @@ class ArmPrimitive(Primitive[Any]):
         spec = self.gripper_spec
         return (yield from move_fingers(self.context, gripper, spec.max_gap, firm_force(spec)))
 
-    def plan(self, routes: Sequence[Route], *, speed: float = 1.0) -> Execution[MotionPlan | NoMotion]:
+    def plan(
+        self, routes: Sequence[Route], *, speed: float = 1.0, base: Pose | None = None
+    ) -> Execution[MotionPlan | NoMotion]:
         """Plans the best of several routes from the arm's current position and reserves the floor below it.
 
         While other robots drive there, it waits; since they stand elsewhere afterwards, it plans again.
+
+        Args:
+            routes: The routes.
+            speed: Share of the joint speed limits to use, 0 to 1.
+            base: Where the base will be in the map; left out: where it is.
         """
         deadline = self.context.now + _COURTESY
         while True:
             before = driving(self.context, self.robot.id)
-            planned = yield from self._planned(routes, speed)
+            planned = yield from self._planned(routes, speed, base or self.base_pose)
             if isinstance(planned, NoMotion):
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
@@ -275,16 +285,16 @@ class ArmPrimitive(Primitive[Any]):
             yield
         return None
 
-    def _planned(self, routes: Sequence[Route], speed: float) -> Execution[MotionPlan | NoMotion]:
-        gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
+    def _planned(self, routes: Sequence[Route], speed: float, base: Pose) -> Execution[MotionPlan | NoMotion]:
+        gripper, held = self.context.board.snapshot.of(GripperState).get(self.gripper_id), self.held()
         request = MotionRequest(
             device=self.params.arm,
             start=self.arm.state.positions,
-            base=self.base_pose,
+            base=base,
             routes=tuple(routes),
             obstacles=(*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id)),
-            held=self.held(),
-            gap=gripper.gap if gripper else self.gripper_spec.max_gap,
+            held=held,
+            gap=gripper.gap if gripper and held else self.gripper_spec.max_gap,  # empty ones may open meanwhile
             speed=speed,
             seed=self.seed(),
         )
@@ -353,6 +363,7 @@ class ArmPrimitive(Primitive[Any]):
 
     def _yield_to(self, touch: Touch, trajectory: Trajectory, *, is_obstacle: bool) -> Execution[NoMotion]:
         """Stops where the arm is, instead of pressing on, and moves back the way it came."""
+        self.touched = True
         here = self.arm.state.positions
         yield from self._settle(here)
         away = np.abs(trajectory.positions - np.asarray(here)).max(axis=1)
@@ -403,8 +414,10 @@ class ArmPrimitive(Primitive[Any]):
         return self.context.frames.at(self.context.board.snapshot).located(self.params.arm)
 
 
-_LIFT = 0.12
+_LIFT = 0.10
 """How far above a grasp or a release the approach starts and the retreat ends [m]."""
+_DOWN, _UP = 0.20, 0.35
+"""Speed down, where things are met, and up again the same way [m/s]."""
 
 
 class HandlingPrimitive(ArmPrimitive):
@@ -428,7 +441,10 @@ class HandlingPrimitive(ArmPrimitive):
         found: list[Route] = []
         for tool in tools:
             high = Pose((0.0, 0.0, _LIFT)) @ tool
-            down, up = (LineMove(pose, speed=0.20, touching=frozenset(touching)) for pose in (tool, high))
+            down, up = (
+                LineMove(pose, speed=speed, touching=frozenset(touching))
+                for pose, speed in ((tool, _DOWN), (high, _UP))
+            )
             found.append((PoseMove(high), down, up))
         return found
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skiros_py.devices.arm import Arm, ArmState
+from skiros_py.devices.arm import Arm, ArmSpec, ArmState
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, rotation_matrix
-from skiros_py.ports.kinematics import Dynamics, JointMotion, Kinematics
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.kinematics import BASE_JOINTS, Dynamics, JointMotion, Kinematics
 from skiros_py.skills.context import RunContext
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
@@ -66,11 +67,60 @@ def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, f
     return found
 
 
+class WholeMotion:
+    """How a robot moves, its base and its arms, from cycle to cycle: each loads the joints of the others.
+
+    Args:
+        context: The run.
+        robot: The robot.
+    """
+
+    def __init__(self, context: RunContext, robot: RobotSpec) -> None:
+        self._board = context.board
+        self._base = robot.carrier
+        self._arms = robot.of(ArmSpec)
+        self.joints = (*(BASE_JOINTS if self._base else ()), *(joint for arm in self._arms for joint in arm.joints))
+        self._before = self._speeds()
+
+    @property
+    def stands(self) -> bool:
+        """True when the base stands, or there is none."""
+        return self._base is None or self._board.stand([self._base.id])
+
+    def since_before(self) -> JointMotion:
+        """Returns the motion of all joints, in the frame of the base; to be called once per cycle."""
+        speeds = self._speeds()
+        accelerations, self._before = (speeds - self._before) / self._board.period, speeds
+        if self._base is not None:
+            accelerations[1] = speeds[0] * speeds[2]  # it drives ahead while it turns
+        return JointMotion(self.joints, self._positions(), speeds, accelerations)
+
+    def as_if_even(self) -> JointMotion:
+        """Returns the motion of all joints as if none sped up."""
+        return JointMotion(self.joints, self._positions(), self._before, np.zeros(len(self._before)))
+
+    def _states(self) -> list[ArmState]:
+        return [self._board.snapshot.state(arm.id, ArmState) for arm in self._arms]
+
+    def _positions(self) -> Array:
+        resting = [0.0] * len(BASE_JOINTS) if self._base else []
+        return np.array([*resting, *(angle for state in self._states() for angle in state.positions)])
+
+    def _speeds(self) -> Array:
+        speeds: list[float] = []
+        if self._base is not None:
+            state = self._board.snapshot.devices[self._base.id]
+            ahead, around = (getattr(state, name, None) or 0.0 for name in ("linear", "angular"))
+            speeds = [ahead, 0.0, around]
+        return np.array([*speeds, *(speed for state in self._states() for speed in state.velocities)])
+
+
 class ContactWatch:
-    """Watches one motion of an arm, from rest on; to be asked once per cycle.
+    """Watches one motion of an arm, which begins at rest; to be asked once per cycle.
 
     The load is weighed at the start: it is the force at the tip that explains best what the joints exert there. A
-    contact that is there already may become weaker, but not stronger.
+    contact that is there already may become weaker, but not stronger. While the base drives, the next cycle counts as
+    the start: before it, nothing says whether the base speeds up.
 
     Args:
         context: The run.
@@ -87,17 +137,23 @@ class ContactWatch:
         self._board = context.board
         self._asked = context.board.snapshot.time
         self._expected, self._tolerance = expected, tolerance
-        self._before = np.asarray(arm.state.velocities)
-        left, lever = self._left(arm.state, np.zeros(len(self._before))), self._lever(arm.state)
+        self._motion = WholeMotion(context, context.cell.group_of(arm.id))
+        self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
+        self.weight = 0.0
+        self._at_start: Array | None = None
+        if self._motion.stands:
+            self._weigh(self._left(self._motion.as_if_even()), self._lever(arm.state))
+
+    def _weigh(self, left: Array, lever: Array) -> None:
         # What is being taken or put down still presses on its support: then the force at the tip is no weight.
-        weighed = not expected
+        weighed = not self._expected
         self.weight = max(0.0, float(lever @ left) / max(1e-9, float(lever @ lever))) if weighed else 0.0
         self._at_start = np.abs(left - self.weight * lever)
 
     @property
     def touches_at_start(self) -> bool:
         """True when the arm touches something before it moves."""
-        return bool(self._at_start.max() > self._tolerance)
+        return self._at_start is not None and bool(self._at_start.max() > self._tolerance)
 
     @classmethod
     def of(
@@ -110,24 +166,22 @@ class ContactWatch:
     def felt(self) -> Touch | None:
         """Returns the contact in this cycle, or None; also None in the first cycle after a pause."""
         state = self._arm.state
-        velocities = np.asarray(state.velocities)
         elapsed, self._asked = self._board.snapshot.time - self._asked, self._board.snapshot.time
-        left = self._left(state, (velocities - self._before) / self._board.period)
-        self._before = velocities
+        left, lever = self._left(self._motion.since_before()), self._lever(state)
         if elapsed > 1.5 * self._board.period:  # how the arm came to its present speed was not seen
             return None
-        lever = self._lever(state)
+        if self._at_start is None:
+            self._weigh(left, lever)
         over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
         return self._touch(state, left, float(over.max())) if over.max() > self._tolerance else None
 
-    def _left(self, state: ArmState, accelerations: Array) -> Array:
-        joints = self._arm.spec.joints
-        if len(state.efforts) != len(joints) or not np.isfinite(state.efforts).all():
+    def _left(self, motion: JointMotion) -> Array:
+        efforts = self._arm.state.efforts
+        if len(efforts) != len(self._own) or not np.isfinite(efforts).all():
             raise DeviceError(
                 "{arm} does not measure what its joints exert: it would feel no contact", arm=self._arm.id
             )
-        motion = JointMotion(joints, np.asarray(state.positions), np.asarray(state.velocities), accelerations)
-        return np.asarray(state.efforts) - self._dynamics.efforts(motion)
+        return np.asarray(efforts) - self._dynamics.efforts(motion)[self._own]
 
     def _lever(self, state: ArmState) -> Array:
         """Returns what the joints exert per weight at the tip [m]."""

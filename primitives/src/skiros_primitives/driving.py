@@ -13,17 +13,20 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.contact import believe_obstacle
+from skiros_primitives.contact import WholeMotion, believe_obstacle
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
+from skiros_primitives.postures import unstowed
 from skiros_primitives.sighting import PlaceInSight
+from skiros_primitives.travelling import TravellingArms
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, wrap_angle
 from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import MobileSpec
-from skiros_py.ports.kinematics import BASE_JOINTS, Dynamics, JointMotion, Kinematics
+from skiros_py.ports.kinematics import Dynamics, Kinematics
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.ports.paths import Layer, Outline, Path, reach
 from skiros_py.skills.context import RunContext, Way
@@ -54,44 +57,32 @@ class Bumper:
     """
 
     def __init__(self, context: RunContext, base: Mobile) -> None:
-        dynamics = context.ports.find(Dynamics, base.id)
-        self._inertia = _inertia(dynamics) if dynamics is not None else None
+        self._dynamics = context.ports.find(Dynamics, base.id)
+        self._motion = WholeMotion(context, context.cell.group_of(base.id))
         self._base = base
-        self._period = context.board.period
-        exerted, self._before = self._read()
-        if exerted is None:
-            self._inertia = None
+        self._measures = self._dynamics is not None and None not in self._exerted()
         self._pushes = 0
 
     def felt(self) -> bool:
         """Returns True when the base has pushed something for some cycles."""
-        exerted, speeds = self._read()
-        if self._inertia is None:
+        exerted, motion = self._exerted(), self._motion.since_before()
+        if self._dynamics is None or not self._measures:
             return False
-        if exerted is None or not np.isfinite(exerted).all():
+        if None in exerted or not np.isfinite(exerted).all():
             raise DeviceError(
                 "{base} does not measure what its drives exert: it would feel no contact", base=self._base.id
             )
-        needed = self._inertia * (speeds - self._before) / self._period
-        self._before = speeds
-        self._pushes = self._pushes + 1 if (np.abs(exerted - needed) > _PUSH).any() else 0
+        needed = self._dynamics.efforts(motion)[[0, 2]]  # ahead and around
+        self._pushes = self._pushes + 1 if (np.abs(np.array(exerted) - needed) > _PUSH).any() else 0
         return self._pushes >= _PUSHES
 
-    def _read(self) -> tuple[Array | None, Array]:
-        """Returns force and moment, None where they are not measured; and the speeds ahead and around."""
-        exerted, speeds = (
-            [getattr(self._base.state, name, None) for name in names]
-            for names in (("force", "torque"), ("linear", "angular"))
-        )
-        return None if None in exerted else np.array(exerted), np.array([speed or 0.0 for speed in speeds])
+    def _exerted(self) -> list[Any]:
+        """Returns force and moment; None where they are not measured."""
+        return [getattr(self._base.state, name, None) for name in ("force", "torque")]
 
 
-def _inertia(dynamics: Dynamics) -> Array:
-    """Returns the mass of a robot [kg] and its moment of inertia around its base [kg m²]."""
-    zero, one = np.zeros(1), np.ones(1)
-    return np.array([dynamics.mass, *dynamics.efforts(JointMotion(BASE_JOINTS[2:], zero, zero, one))])
-
-
+_SETTLED = 0.05
+"""Time after which a localiser says where a base stands that has come to rest [s]."""
 _TURNING = 0.02
 """Speed up to which a base only turns [m/s]."""
 
@@ -136,6 +127,7 @@ class DrivingPrimitive(Primitive[Any]):
         max_angular: float = math.inf,
         lookout: Lookout | None = None,
         place: PlaceInSight | None = None,
+        arms: TravellingArms | None = None,
     ) -> Execution[float | None]:
         """Follows a path, and waits until the base stands.
 
@@ -148,6 +140,7 @@ class DrivingPrimitive(Primitive[Any]):
             lookout: Tells whether something unknown is in the way; then it stops.
             place: Tells where the robot is relative to the place that it drives to; where that is far from what is
                 believed, it stops.
+            arms: Arms that move meanwhile; it waits for them where they say so, and stops when one meets something.
 
         Returns:
             None, or how many legs were driven where the base got stuck.
@@ -175,26 +168,36 @@ class DrivingPrimitive(Primitive[Any]):
             elif self.context.now >= deadline:
                 return driven
             way.passed(reached)
-            base.command(target)
+            if arms is None or not arms.must_wait():
+                base.command(target)
             yield
-            if bumper.felt():
+            pushes, strange = bumper.felt(), self._in_the_way(lookout)
+            if strange is not None or self._has_to_stop(place, arms):
+                yield from self.stand(base)
+                self.seen = [] if strange is None else believe_seen(self.world, self.name, strange)
+                return driven
+            if pushes:
                 ahead = getattr(target, "linear", 1.0)
                 self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
                 return driven
-            if place is not None:
-                place.look()
-                if place.is_far_off:
-                    self.displaced = True
-                    yield from self.stand(base)
-                    return driven
-            if lookout is not None and lookout.is_blocked():
-                yield from self.stand(base)
-                self.seen = believe_seen(self.world, self.name, lookout.strange)
-                return driven
-            if lookout is not None and (gone := lookout.gone()):
-                forget(self.world, self.name, gone)
         yield from self.stand(base)
         return None
+
+    def _in_the_way(self, lookout: Lookout | None) -> Array | None:
+        """Returns the points of something unknown in the way, or None; forgets what is not there any more."""
+        if lookout is None:
+            return None
+        is_blocked = lookout.is_blocked()
+        if gone := lookout.gone():
+            forget(self.world, self.name, gone)
+        return lookout.strange if is_blocked else None
+
+    def _has_to_stop(self, place: PlaceInSight | None, arms: TravellingArms | None) -> bool:
+        """Returns whether an arm has met something, or the place is seen elsewhere."""
+        if place is not None:
+            place.look()
+            self.displaced = place.is_far_off
+        return self.displaced or (arms is not None and arms.touched)
 
     def stand(self, base: Mobile) -> Execution[None]:
         """Brakes, and waits for localisation to settle."""
@@ -202,7 +205,7 @@ class DrivingPrimitive(Primitive[Any]):
         yield
         while not base.still and self.context.now < deadline:
             yield
-        settled = self.context.now + 0.1
+        settled = self.context.now + _SETTLED
         while self.context.now < settled:
             yield
 
@@ -253,52 +256,87 @@ class DriveBase(DrivingPrimitive):
         robot: str = param(v.ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
         location: str = param(v.LOCATION, "Where to go; it has a driving pose.")
 
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
     _shape: tuple[Layer, ...] = ()
     _waits_for = ""
-    _again = False
-    """Whether it drives to the place once more, as it stands too far from its goal."""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
     _in_use = 0.0
     """When something last ran on every robot that blocks the path [s]."""
+    _surprises = 0
+    """How often something unknown was in the way."""
+    _is_off = False
+    """Whether it sees that it stands too far from its goal, for the first time."""
+    _again = False
+    """Whether another attempt makes sense."""
 
     def execute(self) -> Execution[Outcome]:
-        """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
+        """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped.
+
+        Its arms are stowed while it leaves, and reach out while it arrives.
+        """
         base = Mobile(self.context.board, self.params.base)
-        self._shape = floor_obstacles.shape(self.context, self.context.cell.group_of(self.params.base))
-        outline = floor_obstacles.outline(self._shape)
         self._in_use = self.context.now
-        deadline, surprises = self.context.now + _COURTESY, 0
+        deadline = self.context.now + _COURTESY
         while True:
             goal = self._goal()
             if isinstance(goal, Failure):
                 return goal
+            arms = TravellingArms(self.context, self._robot, self.params.location, goal)
+            stuck = yield from self._stow(arms)
+            if stuck is not None:
+                return stuck
+            self._shape = floor_obstacles.shape(self.context, self._robot, arms.postures)
+            self._again = False
+            _, outcome = yield from self.join(arms.move(), self._attempt(base, goal, deadline, arms))
+            if not self._again:
+                return outcome
+
+    def _stow(self, arms: TravellingArms) -> Execution[Failure | None]:
+        """Plans how an arm is stowed while the base leaves; several, or one without a planner, are stowed before."""
+        robot, location = self.params.robot, self.params.location
+        extended = unstowed(self.context, self._robot, location)
+        if len(extended) == 1 and arms.plans(extended[0]):
+            return (yield from arms.plan_stowing(extended[0]))
+        stowed = (yield from self.call("stow_arms", robot=robot, location=location)) if extended else None
+        return stowed if isinstance(stowed, Failure) else None
+
+    def _attempt(self, base: Mobile, goal: Pose, deadline: float, arms: TravellingArms) -> Execution[Outcome]:
+        """Plans one path and drives it as soon as it is free; says in ``_again`` whether to try another one."""
+        try:
+            outline = floor_obstacles.outline(self._shape)
             path = yield from self._plan(goal)
             if isinstance(path, NoMotion):
-                reason = Message("no way to {location}: {reason}", location=self.params.location, reason=path.reason)
-                return Failure(reason, values=path.values)
+                return replace(self._no_way(path.reason), values=path.values)
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
-                    outcome = yield from self._follow(base, path, way)
-                    surprises += 1
-                    if not (self.bumped or self.seen or self.displaced or self._again) or surprises > _SURPRISES:
-                        return outcome
-                    continue
+                    outcome = yield from self._follow(base, path, way, arms)
+                    if self.bumped or self.seen or self.displaced or self._is_off:
+                        self._surprises += 1
+                        self._again = self._surprises <= _SURPRISES
+                    return outcome
             if found is not None and not isinstance(found, Failure):
+                yield from arms.settled()
                 found = yield from self._give_way(base, found, outline, deadline)
-            if isinstance(found, Failure):
-                return found
+            self._again = not isinstance(found, Failure)
+            return found if isinstance(found, Failure) else Success()
+        finally:
+            arms.ended = True
 
-    def _follow(self, base: Mobile, path: Path, way: Way) -> Execution[Outcome]:
+    def _follow(self, base: Mobile, path: Path, way: Way, arms: TravellingArms) -> Execution[Outcome]:
+        yield from arms.find_clear(path)
         if path.legs:
             self.leave(Message("drives off"))
         yield  # the way was asked for in this cycle, which takes some milliseconds, too
-        robot = self.context.cell.group_of(self.params.base)
         known = obstacles(self.context, parts=True)
-        lookout = Lookout(self.context, robot, self._shape, self.pose, path, known, self._met)
-        place = PlaceInSight.of(self.context, robot, base, self.params.location)
-        stuck = yield from self.drive(base, path, way, lookout=lookout, place=place)
+        lookout = arms.lookout = Lookout(self.context, self._robot, self._shape, self.pose, path, known, self._met)
+        place = PlaceInSight.of(self.context, self._robot, base, self.params.location)
+        stuck = yield from self.drive(base, path, way, lookout=lookout, place=place, arms=arms)
+        if stuck is not None and arms.touched:
+            yield from arms.settled()
+            return arms.met or Failure(Message("an arm met something at {location}", location=self.params.location))
         if self.bumped:
             yield from self._back_off(base)
         elif place is not None and place.is_contradicted:
@@ -379,10 +417,13 @@ class DriveBase(DrivingPrimitive):
         request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
+    @property
+    def _robot(self) -> RobotSpec:
+        return self.context.cell.group_of(self.params.base)
+
     def _things(self) -> tuple[Obstacle, ...]:
-        robot = self.context.cell.group_of(self.params.base)
         there = obstacles(self.context, parts=False)
-        carried = frozenset(one.id for one in there if floor_obstacles.rides(self.context, one.id, robot))
+        carried = frozenset(one.id for one in there if floor_obstacles.rides(self.context, one.id, self._robot))
         return obstacles(self.context, parts=False, without=carried)
 
     def _wait_until_free(self, way: Way, outline: Outline, deadline: float) -> Execution[Path | Failure | None]:
@@ -472,7 +513,7 @@ class DriveBase(DrivingPrimitive):
             return goal
         distance = math.dist(pose.position[:2], goal.position[:2])
         turned = abs(wrap_angle(pose.yaw - goal.yaw))
-        self._again = sees and not self._again and distance > _CLOSE
+        self._is_off = sees and not self._is_off and distance > _CLOSE
         location = self.params.location
         if distance > _ARRIVED or turned > _FACING:
             return Failure(

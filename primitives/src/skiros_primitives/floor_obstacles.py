@@ -18,7 +18,7 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, placed, reach
+from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, reach, swept
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import held_by, map_pose, obstacles
 from skiros_py.world import vocabulary as v
@@ -30,6 +30,8 @@ _HAND = 0.12
 _CORNERS = 8
 _LINK = 0.08
 """How far links stick out around the line between their joints [m]."""
+_END = 0.03
+"""How far they stick out at its ends [m]."""
 _PARTS = 0.15
 """Height of parts that may stand on things [m]."""
 _APART = 0.03
@@ -102,7 +104,9 @@ def shape(
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
-            around = [_covered(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))]
+            around = [
+                covered_by_link(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))
+            ]
             out = [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
             if out:
                 hull = shapely.MultiPoint(outline(out)).convex_hull
@@ -111,19 +115,20 @@ def shape(
     return tuple(layers)
 
 
-def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Sequence[float], pose: Pose) -> bool:
-    """Returns whether an arm would touch something, or a part that may stand on it, where its robot stands at a pose.
+def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Sequence[float], *poses: Pose) -> bool:
+    """Returns whether an arm would touch something, or a part that may stand on it, while its robot drives along poses.
 
     Args:
         context: The run.
         robot: The robot.
         arm: Id of the arm.
         posture: Its joint angles [rad].
-        pose: Pose of the base in the map.
+        *poses: Poses of the base in the map; one alone for where it stands.
     """
     things = [one for one in obstacles(context, parts=False) if not rides(context, one.id, robot)]
     for layer in shape(context, robot, {arm: posture})[1:]:
-        area, bottom = placed(layer.outline, pose), layer.bottom - _PARTS
+        area = shapely.union_all(swept(layer.outline, (poses[0], *poses)))
+        bottom = layer.bottom - _PARTS
         if any(shapely.dwithin(floor_area(one.solid, one.pose, bottom, layer.top), area, _APART) for one in things):
             return True
     return False
@@ -154,10 +159,19 @@ def _pieces(
             yield (poses[arm.tip] @ holding[1].pose).apply(corners), 0.0
 
 
-def _covered(points: Array, radius: float) -> Layer:
+def covered_by_link(points: Array, radius: float) -> Layer:
+    """Returns what a link covers that sticks out around the line between two points, or a body between its corners.
+
+    Args:
+        points: In the frame of the base [m], shape (n, 3).
+        radius: How far it sticks out [m].
+    """
     turns = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     around = (points[:, None, :2] + radius * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
-    bottom, top = float(points[:, 2].min()) - radius, float(points[:, 2].max()) + radius
+    way = points[1] - points[0]
+    rise = abs(way[2]) / max(1e-9, float(np.linalg.norm(way)))
+    beyond = max(min(radius, _END), radius * math.sqrt(max(0.0, 1.0 - rise**2)))  # as a rod that sticks out all around
+    bottom, top = float(points[:, 2].min()) - beyond, float(points[:, 2].max()) + beyond
     return Layer(tuple((float(x), float(y)) for x, y in around), bottom, min(TALLEST, top))
 
 

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from skiros_primitives.arm_moves import HandlingPrimitive, refused
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
@@ -153,7 +155,14 @@ class Grasp(HandlingPrimitive):
 
 
 def _reversed(way: Trajectory) -> Trajectory:
-    return Trajectory(way.positions[::-1], -way.velocities[::-1])
+    """Returns the way down for a way up, at half its speed."""
+    last = len(way.positions) - 1
+    steps = np.linspace(last, 0, 2 * last + 1)
+    positions, velocities = (
+        np.column_stack([np.interp(steps, range(last + 1), column) for column in one.T])
+        for one in (way.positions, way.velocities)
+    )
+    return Trajectory(positions, -0.5 * velocities)
 
 
 def _felt(state: GripperState) -> str:

@@ -13,7 +13,8 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
 
-_STILL_FOR = 0.1
+_STILL_FOR = 0.05
+"""How long fingers need to begin, and must be still then [s]; grippers wait some cycles until they say they are."""
 _PATIENCE = 2.0
 _FIRM = 0.5
 """Fraction of a gripper's maximum force that parts are held with: enough for its payload, but gentle."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
@@ -14,7 +15,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
-from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove
+from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove, Route, Vector
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -40,6 +41,10 @@ _LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
 _VIEWS = 4
 """The camera is turned to so many sides."""
+_THERE = 0.02
+"""A camera this near to where it should look from need not move [m] ..."""
+_ALIGNED = math.radians(3.0)
+"""... if it is aligned this well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +70,7 @@ class LookingPrimitive(ArmPrimitive):
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[DetectionResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
-        picture = yield from self.look_down(x, y, region.pose.position[2])
+        picture = yield from self.look_down((x, y, region.pose.position[2]))
         return picture if isinstance(picture, NoMotion) else (yield from self.detect(region, picture))
 
     def detect(self, region: Region, picture: tuple[DepthImage, Pose]) -> Execution[DetectionResult]:
@@ -80,33 +85,73 @@ class LookingPrimitive(ArmPrimitive):
         return image, self.context.frames.at(image.snapshot).located(self.params.camera)
 
     def look_down(
-        self, x: float, y: float, surface: float, *, aside: float = 0.0
+        self, point: Vector, *, aside: float = 0.0, shown: Vector | None = None
     ) -> Execution[tuple[DepthImage, Pose] | NoMotion]:
-        """Takes a picture from straight above a point of the map; returns it with the camera's pose in the map.
+        """Takes a picture from straight above a point; returns it with the camera's pose in the map.
+
+        Where the camera looks at it from there already, nothing moves.
 
         Args:
-            x: Where to look, in the map [m].
-            y: Where to look, in the map [m].
-            surface: Height of the viewed surface, in the map [m].
+            point: Where to look, on the viewed surface in the map [m].
             aside: How far to retract the tool [m]: a part in the gripper hides that side of the image, so the point
                 should lie on the other side.
+            shown: A place beside the point that what is held should not hide, in the map [m].
         """
-        camera = self.context.cell.device(self.params.camera, CameraSpec)
-        back = self.camera_in_tip(camera).inverse() @ Pose((-aside, 0.0, 0.0))
-        fresh = self.context.tried.fresh("view", range(_VIEWS))
-        others = [view for view in range(_VIEWS) if view not in fresh]
+        base = self.base_pose
         refusal: NoMotion | None = None
+        fresh, others = self._sides(point, base, shown)
         for height, views in product(_LOOK_HEIGHTS, filter(None, (fresh, others))):
-            yaws = [self.base_pose.yaw + view * math.tau / _VIEWS for view in views]
-            routes = [(PoseMove(downward(x, y, surface + height, yaw) @ back),) for yaw in yaws]
-            planned = yield from self.plan(routes)
-            refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
-            if isinstance(planned, MotionPlan) and refusal is None:
-                self._view = views[planned.route]
+            view, refusal = None if aside else self._looks_from(point, height, base, views), None
+            if view is None:
+                planned = yield from self.plan(self._routes(point, height, base, views, aside=aside))
+                refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
+                view = views[planned.route] if isinstance(planned, MotionPlan) else None
+            if view is not None and refusal is None:
+                self._view = view
                 return (yield from self.capture())
         assert refusal is not None, "each view is taken or refused"
+        x, y, _ = point
         reason = Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=refusal.reason)
         return replace(refusal, reason=reason)
+
+    def plan_look(self, point: Vector, base: Pose, shown: Vector | None = None) -> Execution[MotionPlan | NoMotion]:
+        """Plans the motion to where the camera looks straight down at a point, as for :meth:`look_down`.
+
+        Args:
+            point: Where to look, on the viewed surface in the map [m].
+            base: Where the base will be then, in the map.
+            shown: A place beside the point that what is held should not hide, in the map [m].
+        """
+        fresh, _ = self._sides(point, base, shown)
+        return (yield from self.plan(self._routes(point, _LOOK_HEIGHTS[0], base, fresh), base=base))
+
+    def _sides(self, point: Vector, base: Pose, shown: Vector | None) -> tuple[list[int], list[int]]:
+        """Returns the numbers of the sides to look from, those that promise more first.
+
+        What is held hides the lower half of a picture.
+        """
+        fresh = self.context.tried.fresh("view", range(_VIEWS))
+        if shown is not None and self.held() is not None:
+            beside = math.atan2(shown[1] - point[1], shown[0] - point[0])
+            tops = {view: _yaw(base, view) + math.pi / 2.0 for view in fresh}
+            fresh = [view for view, top in tops.items() if math.cos(top - beside) > 0.0] or fresh
+        return fresh, [view for view in range(_VIEWS) if view not in fresh]
+
+    def _routes(
+        self, point: Vector, height: float, base: Pose, views: Sequence[int], *, aside: float = 0.0
+    ) -> list[Route]:
+        camera = self.context.cell.device(self.params.camera, CameraSpec)
+        back = self.camera_in_tip(camera).inverse() @ Pose((-aside, 0.0, 0.0))
+        return [(PoseMove(_above(point, height, _yaw(base, view)) @ back),) for view in views]
+
+    def _looks_from(self, point: Vector, height: float, base: Pose, views: Sequence[int]) -> int | None:
+        """Returns from which of some sides the camera looks at a point already; None for none of them."""
+        camera = self.context.frames.at(self.context.board.snapshot).located(self.params.camera)
+        for view in views:
+            off = _above(point, height, _yaw(base, view)).inverse() @ camera
+            if math.hypot(*off.position) < _THERE and abs(off.orientation[3]) > math.cos(_ALIGNED / 2.0):
+                return view
+        return None
 
     def register(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
         """Finds a kit in a picture, and writes where it is.
@@ -166,6 +211,15 @@ class LookingPrimitive(ArmPrimitive):
                 write_pose(tx, part, found.pose, self.gripper_id)
 
 
+def _yaw(base: Pose, view: int) -> float:
+    return base.yaw + view * math.tau / _VIEWS
+
+
+def _above(point: Vector, height: float, yaw: float) -> Pose:
+    """Returns the pose of a camera that looks straight down at a point."""
+    return downward(*point[:2], point[2] + height, yaw)
+
+
 _CLEAR = 0.9
 """Minimum fraction of a compartment that must be seen to call it empty."""
 _SLID = 0.003
@@ -193,10 +247,11 @@ class RegisterKit(LookingPrimitive):
         kit, believed = self.params.kit, map_pose(self.context, self.params.kit)
         if believed is None:
             return Failure(Message("the position of {kit} is unknown", kit=kit))
-        why = ""
+        place = map_pose(self.context, self.params.compartment) if self.params.compartment is not None else None
+        shown, why = None if place is None else place.position, ""
         for attempt, aside in enumerate(_ASIDE, start=1):
             self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=kit))
-            picture = yield from self.look_down(*believed.position, aside=aside)
+            picture = yield from self.look_down(believed.position, aside=aside, shown=shown)
             if isinstance(picture, NoMotion):
                 why = why or picture.reason
                 continue
@@ -318,7 +373,7 @@ class VerifyPlace(LookingPrimitive):
         if isinstance(region, str):
             return Failure(region)
         x, y, surface = region.pose.position
-        picture = yield from self.look_down(x + 0.03 * attempt, y, surface)
+        picture = yield from self.look_down((x + 0.03 * attempt, y, surface))
         if isinstance(picture, NoMotion):
             return refused(picture)
         believed = map_pose(self.context, kit) if kit is not None and attempt else None

@@ -13,7 +13,7 @@ from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import JointMove, NoMotion
+from skiros_py.ports.motion import JointMove, MotionPlan, NoMotion
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -78,26 +78,47 @@ class MoveArm(ArmPrimitive):
 
         arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
         location: str | None = param(LOCATION, "Where the base drives next; left out: anywhere.", kind=Kind.OPTIONAL)
+        rehearse: bool = param("boolean", "Whether it only finds out if there is a way there.", default=False)
 
     def execute(self) -> Execution[Outcome]:
         """Plans and moves: home, or else to another posture for carrying."""
         if not self.is_planned:
-            refusal = yield from self.go_straight(self.arm.spec.home)
+            refusal = None if self.params.rehearse else (yield from self.go_straight(self.arm.spec.home))
             return Success(Message("home")) if refusal is None else self._stuck(refusal)
-        postures = carrying_postures(self.arm.spec)
-        stuck: NoMotion | None = None
-        robot, spec, location = self.robot, self.arm.spec, self.params.location
+        found = yield from self.plan_posture(self.params.location)
+        if isinstance(found, Failure):
+            return found
+        number, planned = found
+        if self.params.rehearse:
+            return Success(Message("there is a way home"))
+        refusal = yield from self.follow_plan(planned)
+        if refusal is None:
+            return Success(_POSTURES.get(number, Message("home, with the hand turned")))
+        self._note(number)
+        return self._stuck(refusal)
+
+    def plan_posture(self, location: str | None) -> Execution[tuple[int, MotionPlan] | Failure]:
+        """Plans the motion to a posture for carrying, rather one that was not tried in vain yet.
+
+        Args:
+            location: Where the base drives next; None for anywhere.
+
+        Returns:
+            The number of the posture and the plan; or why there is none.
+        """
+        postures, stuck = carrying_postures(self.arm.spec), NoMotion("")
+        robot, spec = self.robot, self.arm.spec
         fitting = [n for n, posture in enumerate(postures) if fits(self.context, robot, spec, posture, location)]
         for number in self.context.tried.fresh("posture", fitting or range(len(postures))):
-            refusal = yield from self.go([(JointMove(postures[number]),)])
-            if refusal is None:
-                return Success(_POSTURES.get(number, Message("home, with the hand turned")))
-            self.context.tried.note("posture", number, Message("posture {number}", number=number + 1))
-            stuck = stuck or refusal
-            if refusal.met:
-                break
-        assert stuck is not None, "there is a posture"
+            planned = yield from self.plan([(JointMove(postures[number]),)])
+            if isinstance(planned, MotionPlan):
+                return number, planned
+            self._note(number)
+            stuck = stuck if stuck.reason else planned
         return self._stuck(stuck)
+
+    def _note(self, number: int) -> None:
+        self.context.tried.note("posture", number, Message("posture {number}", number=number + 1))
 
     def _stuck(self, refusal: NoMotion) -> Failure:
         return Failure(Message("the arm cannot go home: {reason}", reason=refusal.reason))
@@ -112,6 +133,16 @@ def fits(context: RunContext, robot: RobotSpec, arm: ArmSpec, posture: Sequence[
     return not any(reaches_over(context, robot, arm.id, posture, pose) for pose in poses)
 
 
+def unstowed(context: RunContext, robot: RobotSpec, location: str | None) -> list[ArmSpec]:
+    """Returns the arms of a robot that are in no posture in which it may drive to a location."""
+    found = []
+    for arm in robot.of(ArmSpec):
+        now = context.board.snapshot.state(arm.id, ArmState).positions
+        if not (is_stowed(context, arm) and fits(context, robot, arm, now, location)):
+            found.append(arm)
+    return found
+
+
 class StowArms(Primitive[Any]):
     """Moves all arms to postures for travelling, which must not touch what stands where the base drives."""
 
@@ -124,10 +155,8 @@ class StowArms(Primitive[Any]):
     def execute(self) -> Execution[Outcome]:
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.robot)
-        for arm in robot.of(ArmSpec):
-            now = self.context.board.snapshot.state(arm.id, ArmState).positions
-            if not (is_stowed(self.context, arm) and fits(self.context, robot, arm, now, self.location)):
-                outcome = yield from self.call("move_arm", arm=arm.id, location=self.location)
-                if isinstance(outcome, Failure):
-                    return outcome
+        for arm in unstowed(self.context, robot, self.location):
+            outcome = yield from self.call("move_arm", arm=arm.id, location=self.location)
+            if isinstance(outcome, Failure):
+                return outcome
         return Success(Message("stowed"))

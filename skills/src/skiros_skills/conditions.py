@@ -56,6 +56,12 @@ STANDS_BY = ConditionType(
     AnyOf((_DOCKED, _below(_DOCKED), _below(_below(_DOCKED)))),
     "The robot is docked at the location, or at something that stands on it or on what stands on it.",
 )
+HAS_DOCKS = ConditionType(
+    "HasDocks",
+    (Role("location", v.LOCATION),),
+    Exists("dock", v.STATION, Related(v.HAS_A, "location", "dock")),
+    "The location has docking places: several robots can work there.",
+)
 LOCATION_FREE = ConditionType(
     "LocationFree",
     (Role("location", v.LOCATION),),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.behaviours import AssertEffects, Do, P, Sequence
+from skiros_py.behaviours import AssertEffects, Do, P
 from skiros_py.skills.conditions import any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -25,15 +25,12 @@ DESCRIPTION = SkillDescription(
         any_of(ROBOT_AT_LOCATION("Robot", "Location"), LOCATION_FREE("Location")),  # one place takes one robot
     ),
     post=(ROBOT_AT_LOCATION("Robot", "Location"),),
-    duration=20.0,
+    duration=12.0,
 )
 
 DRIVE = Skill(
     DESCRIPTION,
-    Sequence.of(
-        Do.of("stow_arms", robot=P("Robot"), location=P("Location")),
-        Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")),
-    ),
-    takes=("Robot",),  # no arm may move while the base drives
+    Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")),
+    takes=("Robot",),  # its arms are stowed and reach out while the base drives
 )
 DRIVE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

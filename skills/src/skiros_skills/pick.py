@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.behaviours import AssertEffects, Do, Fallback, P, Sequence
+from skiros_py.behaviours import AssertEffects, Do, Fallback, P, Parallel, Sequence
 from skiros_py.skills.conditions import all_of, any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -47,19 +47,21 @@ DESCRIPTION = SkillDescription(
         EMPTY_HANDED("Gripper"),
     ),
     post=(HOLDING("Gripper", "Object"), ~EMPTY_HANDED("Gripper")),
-    duration=6.0,
+    duration=5.0,
 )
 
 PICK = Skill(
     DESCRIPTION,
     Sequence.of(
-        Do.of("gripper_control", gripper=P("Gripper")),
-        Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Container"), part=P("Object")),
+        Parallel.of(
+            Do.of("gripper_control", gripper=P("Gripper")),
+            Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Container"), part=P("Object")),
+        ),
         Do.of("register_part", arm=P("Arm"), camera=P("Camera"), part=P("Object")),
         Do.of("grasp", arm=P("Arm"), gripper=P("Gripper"), camera=P("Camera"), part=P("Object")),
     ),
-    finish=Fallback.of(  # what cannot be carried on goes back where it came from
-        Do.of("move_arm", arm=P("Arm")),
+    finish=Fallback.of(  # what cannot be carried on goes back where it came from; the drive stows the arm
+        Do.of("move_arm", arm=P("Arm"), rehearse=True),
         Sequence.of(
             Do.of("put_back", arm=P("Arm"), gripper=P("Gripper"), part=P("Object"), place=P("Container")),
             Do.of("move_arm", arm=P("Arm")),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.behaviours import AssertEffects, Do, P, Sequence
+from skiros_py.behaviours import AssertEffects, Check, Do, Fallback, P, Sequence
 from skiros_py.skills.conditions import any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -13,6 +13,7 @@ from skiros_skills.conditions import (
     DOCKED_AT,
     EMPTY_HANDED,
     FITS_IN,
+    HAS_DOCKS,
     HAS_PART,
     HOLDING,
     LOCATION_EMPTY,
@@ -44,7 +45,7 @@ DESCRIPTION = SkillDescription(
         FITS_IN("Object", "Compartment"),
     ),
     post=(OBJECT_AT_LOCATION("Object", "Compartment"), EMPTY_HANDED("Gripper")),
-    duration=6.0,
+    duration=5.0,
 )
 
 PLACE = Skill(
@@ -61,7 +62,7 @@ PLACE = Skill(
         ),
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),
-    finish=Do.of("move_arm", arm=P("Arm")),
+    finish=Fallback.of(Check.of(~HAS_DOCKS("Kit")), Do.of("move_arm", arm=P("Arm"))),  # others may work there, too
     takes=("Kit",),  # only one arm at a time over a kit, from whichever side
 )
 PLACE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.behaviours import AssertEffects, Do, P, Sequence
+from skiros_py.behaviours import AssertEffects, Check, Do, Fallback, P, Sequence
 from skiros_py.skills.conditions import any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -12,6 +12,7 @@ from skiros_skills.conditions import (
     CARRYING,
     DOCKED_AT,
     EMPTY_HANDED,
+    HAS_DOCKS,
     HAS_PART,
     LOCATION_EMPTY,
     MAY_BE_IN,
@@ -43,7 +44,7 @@ DESCRIPTION = SkillDescription(
         EMPTY_HANDED("Gripper"),
     ),
     post=(OBJECT_AT_LOCATION("Object", "Compartment"),),
-    duration=4.0,
+    duration=3.0,
 )
 
 SEARCH = Skill(
@@ -52,7 +53,7 @@ SEARCH = Skill(
         Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit")),
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),
-    finish=Do.of("move_arm", arm=P("Arm")),
+    finish=Fallback.of(Check.of(~HAS_DOCKS("Kit")), Do.of("move_arm", arm=P("Arm"))),  # others may work there, too
     takes=("Kit",),
 )
 SEARCH_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=3.0), driver="fake")

@@ -1,0 +1,75 @@
+"""From where a camera looks at a place: where what is held hides nothing, and without a motion where it is already."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from skiros_primitives.looking import LookingParams, LookingPrimitive
+from skiros_primitives.part_models import downward
+from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.motion import Held
+from skiros_py.skills.context import Tried
+from skiros_py.skills.outcome import Execution, Outcome, Success
+
+POINT = (1.0, 2.0, 0.5)
+HEIGHT = 0.46
+
+
+class Looking(LookingPrimitive):
+    """One that looks, with a camera that is somewhere."""
+
+    name = "looking"
+
+    def __init__(self, camera: Pose = Pose(), *, holds: bool = False) -> None:  # noqa: B008 - it is frozen
+        tree = SimpleNamespace(located=lambda _camera: camera)
+        board, frames = SimpleNamespace(snapshot=None), SimpleNamespace(at=lambda _snapshot: tree)
+        context: Any = SimpleNamespace(tried=Tried(), frames=frames, board=board)
+        super().__init__(context, LookingParams("arm", "camera"))
+        self._holds = holds
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        return Success()
+
+    def held(self) -> Held | None:
+        return Held(Solid.box(0.05, 0.05, 0.05), Pose()) if self._holds else None
+
+    def sides(self, degrees: float) -> list[int]:
+        """Returns from which sides it looks at a place beside the point, in some direction."""
+        angle = math.radians(degrees)
+        shown = (POINT[0] + 0.1 * math.cos(angle), POINT[1] + 0.1 * math.sin(angle), POINT[2])
+        first, others = self._sides(POINT, Pose(), shown)
+        assert sorted([*first, *others]) == [0, 1, 2, 3]
+        return first
+
+    def from_where(self, views: list[int]) -> int | None:
+        return self._looks_from(POINT, HEIGHT, Pose(), views)
+
+
+@pytest.mark.parametrize(("degrees", "sides"), [(45.0, [0, 3]), (135.0, [0, 1]), (-135.0, [1, 2]), (-45.0, [2, 3])])
+def test_a_place_is_looked_at_from_where_it_is_in_the_upper_half_of_the_picture_which_shows_no_held_part(
+    degrees: float, sides: list[int]
+) -> None:
+    assert Looking(holds=True).sides(degrees) == sides
+    assert Looking().sides(degrees) == [0, 1, 2, 3]
+
+
+def test_sides_tried_in_vain_come_after_those_that_show_less() -> None:
+    looking = Looking(holds=True)
+    for side in (0, 3):
+        looking.context.tried.note("view", side, "looked in vain")
+
+    assert looking.sides(45.0) == [1, 2]
+
+
+def test_a_camera_that_is_where_it_should_be_need_not_move() -> None:
+    there = downward(POINT[0] + 0.01, POINT[1], POINT[2] + HEIGHT, math.radians(91.0))
+
+    assert Looking(there).from_where([0, 1, 2, 3]) == 1
+    assert Looking(there).from_where([0, 2, 3]) is None
+    assert Looking(Pose((0.03, 0.0, 0.0)) @ there).from_where([1]) is None
+    assert Looking(there @ Pose.of(0.0, 0.0, 0.0, roll=math.radians(5.0))).from_where([1]) is None
