@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
 from skiros_primitives.contact import believe_obstacle
+from skiros_primitives.docking import docking_pose
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
 from skiros_primitives.sighting import PlaceInSight
@@ -266,6 +267,9 @@ class DriveBase(DrivingPrimitive):
         """Plans, waits until the way is free, drives, and writes where the robot is once it has stopped."""
         base = Mobile(self.context.board, self.params.base)
         self._shape = floor_obstacles.shape(self.context, self.context.cell.group_of(self.params.base))
+        taught = self._goal()
+        if not isinstance(taught, Failure):
+            yield from self._dock_in_reach(taught)
         outline = floor_obstacles.outline(self._shape)
         self._in_use = self.context.now
         deadline, surprises = self.context.now + _COURTESY, 0
@@ -361,6 +365,21 @@ class DriveBase(DrivingPrimitive):
         if place is None or not isinstance(driving, Pose):
             return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
+
+    def _dock_in_reach(self, goal: Pose) -> Execution[None]:
+        """Makes the place from where the arm reaches what is wanted there the driving pose, if that is another one."""
+        location, robot = self.params.location, self.context.cell.group_of(self.params.base)
+
+        def is_free(pose: Pose) -> Execution[bool]:
+            return not isinstance((yield from self._plan(pose)), NoMotion)
+
+        pose = yield from docking_pose(self, robot, location, goal, is_free)
+        place = map_pose(self.context, location)
+        if pose != goal and place is not None:
+            off = pose.distance(goal) * 1e3
+            reason = Message("the arm reaches more from {off:.0f} mm beside", off=off)
+            with self.world.transaction(author=self.name, reason=reason) as tx:
+                tx.set(location, v.DRIVING_POSE, place.inverse() @ pose)
 
     def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""

@@ -13,7 +13,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.messages import Message
-from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove
+from skiros_py.ports.motion import SHARES, MotionPlan, NoMotion, PoseMove
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -107,10 +107,11 @@ class LookingPrimitive(ArmPrimitive):
         fresh = self.context.tried.fresh("view", range(_VIEWS))
         others = [view for view in range(_VIEWS) if view not in fresh]
         refusal: NoMotion | None = None
-        for height, views in product(_LOOK_HEIGHTS, filter(None, (fresh, others))):
+        choices = product(SHARES, _LOOK_HEIGHTS, filter(None, (fresh, others)))  # rather lower than nearer to things
+        for share, height, views in choices:
             yaws = [self.base_pose.yaw + view * math.tau / _VIEWS for view in views]
             routes = [(PoseMove(downward(x, y, surface + height, yaw) @ back),) for yaw in yaws]
-            planned = yield from self.plan(routes)
+            planned = yield from self.plan(routes, shares=(share,))
             refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
             if isinstance(planned, MotionPlan) and refusal is None:
                 self._view = views[planned.route]
