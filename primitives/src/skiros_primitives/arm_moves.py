@@ -4,28 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from skiros_primitives.contact import TOLERANCE, ContactWatch, Touch, believe_obstacle
-from skiros_primitives.floor_obstacles import bodies, driving
+from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
+from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import (
+    SHARES,
     ArmPlanner,
     Held,
+    JointMove,
     LineMove,
     MotionPlan,
     MotionRequest,
     NoMotion,
+    Obstacle,
     PoseMove,
     Route,
     Trajectory,
@@ -37,7 +43,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles, solid_of
-from skiros_py.world.vocabulary import GRIPPER, HAS_A, MASS
+from skiros_py.world.vocabulary import GRIPPER, HAS_A, MANIPULATABLE, MASS, OBSTACLE
 
 _SAME = 1e-6
 """Clock times that differ by less than this fraction of a period count as equal."""
@@ -82,6 +88,11 @@ class Playback:
         return ArmTarget(tuple(positions.tolist()), tuple((rate * velocities).tolist()))
 
 
+def _met(thing: str) -> str:
+    """Returns under which name it is remembered that something that is known was met."""
+    return f"met {thing}"
+
+
 def _rounded(periods: float) -> float:
     """Returns a whole number if within rounding error: on a regular clock each sample is hit exactly."""
     whole = math.floor(periods + 0.5)
@@ -106,7 +117,15 @@ _SILENCE = 5.0
 _ASK_AGAIN = 0.1
 """Time after which it is asked again [s]."""
 _BACK = 0.15
-"""Time of its motion by which an arm moves back from a contact [s]."""
+"""Time of its motion by which an arm moves back from a contact near to things [s]."""
+_RELIEF = 0.01
+"""Time of its motion by which it is behind the contact at once [s]."""
+_BACKWARDS = 0.4
+"""Speed at which it moves back, as a share of that at which it came."""
+_SIGMAS = 3.0
+"""So many standard deviations of the localiser's error are kept away from things."""
+_LENGTH = 0.9
+"""How far from the middle of its base an arm meets things about [m]."""
 
 
 UNPLANNED_SPEED = 0.3
@@ -131,6 +150,17 @@ def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajec
     share = np.linspace(0.0, 1.0, count)[:, None]
     smooth, rate = share**2 * (3.0 - 2.0 * share), 6.0 * share * (1.0 - share) / ((count - 1) * period)
     return Trajectory(np.asarray(start) + smooth * way, rate * way)
+
+
+def reversed_way(way: Trajectory, *, slower: int = 1) -> Trajectory:
+    """Returns a motion from the end of another one to its beginning, so many times slower."""
+    last = len(way.positions) - 1
+    steps = np.linspace(last, 0, slower * last + 1)
+    positions, velocities = (
+        np.column_stack([np.interp(steps, range(last + 1), column) for column in one.T])
+        for one in (way.positions, way.velocities)
+    )
+    return Trajectory(positions, -velocities / slower)
 
 
 _HOME = 0.05
@@ -248,7 +278,12 @@ class ArmPrimitive(Primitive[Any]):
         return (yield from move_fingers(self.context, gripper, spec.max_gap, firm_force(spec)))
 
     def plan(
-        self, routes: Sequence[Route], *, speed: float = 1.0, base: Pose | None = None
+        self,
+        routes: Sequence[Route],
+        *,
+        speed: float = 1.0,
+        base: Pose | None = None,
+        shares: tuple[float, ...] = SHARES,
     ) -> Execution[MotionPlan | NoMotion]:
         """Plans the best of several routes from the arm's current position and reserves the floor below it.
 
@@ -258,11 +293,12 @@ class ArmPrimitive(Primitive[Any]):
             routes: The routes.
             speed: Share of the joint speed limits to use, 0 to 1.
             base: Where the base will be in the map; left out: where it is.
+            shares: Shares of the errors of where things are to keep away by, the best first.
         """
         deadline = self.context.now + _COURTESY
         while True:
             before = driving(self.context, self.robot.id)
-            planned = yield from self._planned(routes, speed, base or self.base_pose)
+            planned = yield from self._planned(routes, speed, base=base, shares=shares)
             if isinstance(planned, NoMotion):
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
@@ -285,20 +321,43 @@ class ArmPrimitive(Primitive[Any]):
             yield
         return None
 
-    def _planned(self, routes: Sequence[Route], speed: float, base: Pose) -> Execution[MotionPlan | NoMotion]:
+    def _planned(
+        self,
+        routes: Sequence[Route],
+        speed: float,
+        *,
+        base: Pose | None = None,
+        start: tuple[float, ...] | None = None,
+        shares: tuple[float, ...] = SHARES,
+    ) -> Execution[MotionPlan | NoMotion]:
         gripper, held = self.context.board.snapshot.of(GripperState).get(self.gripper_id), self.held()
+        around = (*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id))
         request = MotionRequest(
             device=self.params.arm,
-            start=self.arm.state.positions,
-            base=base,
+            start=self.arm.state.positions if start is None else start,
+            base=base or self.base_pose,
             routes=tuple(routes),
-            obstacles=(*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id)),
+            obstacles=tuple(replace(one, error=self._error(one)) for one in around),
             held=held,
             gap=gripper.gap if gripper and held else self.gripper_spec.max_gap,  # empty ones may open meanwhile
             speed=speed,
             seed=self.seed(),
+            shares=shares,
         )
         return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
+
+    def _error(self, thing: Obstacle) -> float:
+        """Returns how far beside its believed place something may be for the arm: the localiser's error [m].
+
+        What was seen or felt from here has that error, too, and so none for the arm. What the arm has met shows that
+        the error is larger than usual.
+        """
+        type_ = self.world.element(thing.id).type if self.world.has(thing.id) else ""
+        seen = any(self.world.ontology.is_a(type_, class_) for class_ in (MANIPULATABLE, OBSTACLE))
+        if seen or rides(self.context, thing.id, self.robot):
+            return 0.0
+        noise = (math.hypot(one.position_noise, _LENGTH * one.heading_noise) for one in self.robot.of(LocaliserSpec))
+        return _SIGMAS * max(noise, default=0.0) * (1 + self.context.tried.options[_met(thing.id), 0])
 
     def follow(
         self,
@@ -329,8 +388,8 @@ class ArmPrimitive(Primitive[Any]):
                 if landing is not None and self._left(trajectory) <= landing:
                     yield from self._settle(self.arm.state.positions)
                     return None
-                is_obstacle = landing is None and not watch.touches_at_start
-                return (yield from self._yield_to(touch, trajectory, is_obstacle=is_obstacle))
+                is_free = landing is None and not watch.touches_at_start
+                return (yield from self._yield_to(touch, trajectory, is_free=is_free))
         last = tuple(trajectory.positions[-1].tolist())
         yield from self._settle(last)
         off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))
@@ -361,24 +420,54 @@ class ArmPrimitive(Primitive[Any]):
             self.arm.command(ArmTarget(positions, (0.0,) * len(positions)))
             yield
 
-    def _yield_to(self, touch: Touch, trajectory: Trajectory, *, is_obstacle: bool) -> Execution[NoMotion]:
-        """Stops where the arm is, instead of pressing on, and moves back the way it came."""
+    def _yield_to(self, touch: Touch, trajectory: Trajectory, *, is_free: bool) -> Execution[NoMotion]:
+        """Moves back the way it came: from a free motion all the way, where it touched nothing before.
+
+        What explains the contact is where it was believed to be; else there is something that was not known.
+        """
         self.touched = True
         here = self.arm.state.positions
-        yield from self._settle(here)
-        away = np.abs(trajectory.positions - np.asarray(here)).max(axis=1)
-        nearest = int(away.argmin())
-        back = max(0, nearest - round(_BACK / self.context.board.period))
-        for target in even(here, trajectory.positions[back], self.context.board.period).positions:
-            self.arm.command(ArmTarget(tuple(target.tolist()), (0.0,) * len(here)))
-            yield
+        yield from self._move_back(trajectory, here, math.inf if is_free else _BACK)
         reason = Message("{link} of {arm} met something", link=touch.link, arm=self.params.arm)
-        if is_obstacle:
+        known = (yield from self._near(touch, here)) if is_free else None
+        if known is not None:
+            reason = Message("{link} of {arm} met {thing}", link=touch.link, arm=self.params.arm, thing=known)
+            self.context.tried.note(_met(known), 0, reason)
+        elif is_free:
             x, y, z = np.add(touch.point, np.multiply(_AHEAD, touch.direction)).tolist()
             where = self.base_pose @ Pose((x, y, z - _BLOCK / 2.0))
             believe_obstacle(self.world, self.name, Pose(where.position), (_BLOCK, _BLOCK, _BLOCK), reason)
         self.emit("contact", {"device": self.params.arm, "link": touch.link, "effort": round(touch.effort, 1)})
         return NoMotion(reason, met=True)
+
+    def _move_back(self, trajectory: Trajectory, here: Sequence[float], most: float) -> Execution[None]:
+        """Moves back along a trajectory, at once a little behind where the arm is, so that it presses no longer.
+
+        Args:
+            trajectory: The motion.
+            here: Where the arm has met something [rad].
+            most: How far back, as time of the motion [s].
+        """
+        period = self.context.board.period
+        at = float(np.abs(trajectory.positions - np.asarray(here)).max(axis=1).argmin())
+        end = max(0.0, at - most / period)
+        places = np.append(np.arange(max(end, at - _RELIEF / period), end, -_BACKWARDS), end)
+        samples = np.arange(len(trajectory.positions))
+        positions, speeds = (
+            np.column_stack([np.interp(places, samples, column) for column in rows.T])
+            for rows in (trajectory.positions, -_BACKWARDS * trajectory.velocities)
+        )
+        for position, speed in zip(positions[:-1].tolist(), speeds.tolist(), strict=False):
+            self.arm.command(ArmTarget(tuple(position), tuple(speed)))
+            yield
+        yield from self._settle(tuple(positions[-1].tolist()))
+
+    def _near(self, touch: Touch, here: tuple[float, ...]) -> Execution[str | None]:
+        """Returns the id of what explains a contact because it may be there; None if nothing known does."""
+        planned = yield from self._planned([(JointMove(here),)], 1.0, start=here, shares=SHARES[:1])
+        met = [other for one in planned.refusals for link, other in one.touches if touch.may_be(link)]
+        known = [one for one in met if self.world.has(one) and self.world.element(one).type != OBSTACLE]
+        return known[0] if known else None
 
     def go_straight(self, goal: Sequence[float]) -> Execution[NoMotion | None]:
         """Moves to joint angles from rest to rest, for arms without a planner.
@@ -399,10 +488,13 @@ class ArmPrimitive(Primitive[Any]):
 
     def follow_from_here(self, trajectory: Trajectory, *, expected: float = 0.0) -> Execution[NoMotion | None]:
         """Follows the rest of a trajectory, from the sample nearest to the arm's current position."""
-        away = np.abs(trajectory.positions - np.asarray(self.arm.state.positions)).max(axis=1)
-        nearest = int(away.argmin())
-        rest = Trajectory(trajectory.positions[nearest:], trajectory.velocities[nearest:])
-        return (yield from self.follow(rest, expected=expected, landing=0.0))
+        here = np.asarray(self.arm.state.positions)
+        nearest = int(np.abs(trajectory.positions - here).max(axis=1).argmin())
+        positions, velocities = trajectory.positions[nearest:], trajectory.velocities[nearest:]
+        if np.abs(positions[0] - here).max() > _ARRIVED:
+            to = even(self.arm.state.positions, positions[0].tolist(), self.context.board.period)
+            positions, velocities = np.vstack([to.positions, positions]), np.vstack([to.velocities, velocities])
+        return (yield from self.follow(Trajectory(positions, velocities), expected=expected, landing=0.0))
 
     def go(self, routes: Sequence[Route], *, speed: float = 1.0) -> Execution[NoMotion | None]:
         """Plans and follows all moves of the best route; returns the reason if there is none."""
@@ -414,10 +506,27 @@ class ArmPrimitive(Primitive[Any]):
         return self.context.frames.at(self.context.board.snapshot).located(self.params.arm)
 
 
-_LIFT = 0.10
-"""How far above a grasp or a release the approach starts and the retreat ends [m]."""
+LIFTS = (0.10, 0.06)
+"""How far above a grasp or a release the approach starts and the retreat ends, best first [m]; the lower one is for
+high places, where the arm reaches no higher."""
 _DOWN, _UP = 0.20, 0.35
 """Speed down, where things are met, and up again the same way [m/s]."""
+
+
+def above_routes(tools: Iterable[Pose], touching: Iterable[str], lift: float) -> list[Route]:
+    """Returns for each pose of the tool in the map the way down to it and up again.
+
+    Args:
+        tools: The poses.
+        touching: Ids of what may be touched below.
+        lift: How far above it the way down starts and the way up ends [m].
+    """
+    found: list[Route] = []
+    for tool in tools:
+        high = Pose((0.0, 0.0, lift)) @ tool
+        down, up = (LineMove(pose, speed, frozenset(touching)) for pose, speed in ((tool, _DOWN), (high, _UP)))
+        found.append((PoseMove(high), down, up))
+    return found
 
 
 class HandlingPrimitive(ArmPrimitive):
@@ -430,23 +539,6 @@ class HandlingPrimitive(ArmPrimitive):
     def gripper(self) -> Gripper:
         """The gripper on the arm."""
         return Gripper(self.context.board, self.params.gripper)
-
-    def routes(self, tools: Iterable[Pose], touching: Iterable[str]) -> list[Route]:
-        """Returns for each pose of the tool in the map the way down to it and up again.
-
-        Args:
-            tools: The poses.
-            touching: Ids of what may be touched below.
-        """
-        found: list[Route] = []
-        for tool in tools:
-            high = Pose((0.0, 0.0, _LIFT)) @ tool
-            down, up = (
-                LineMove(pose, speed=speed, touching=frozenset(touching))
-                for pose, speed in ((tool, _DOWN), (high, _UP))
-            )
-            found.append((PoseMove(high), down, up))
-        return found
 
     def plan_fresh(
         self, choice: str, tools: Sequence[Pose], touching: Iterable[str]
@@ -463,8 +555,8 @@ class HandlingPrimitive(ArmPrimitive):
         """
         fresh = self.context.tried.fresh(choice, range(len(tools)))
         others = [number for number in range(len(tools)) if number not in fresh]
-        for numbers in filter(None, (fresh, others)):
-            planned = yield from self.plan(self.routes((tools[number] for number in numbers), touching))
+        for numbers, lift in product(filter(None, (fresh, others)), LIFTS):
+            planned = yield from self.plan(above_routes((tools[number] for number in numbers), touching, lift))
             if isinstance(planned, MotionPlan):
                 return numbers[planned.route], planned
         return 0, planned
@@ -480,8 +572,10 @@ class HandlingPrimitive(ArmPrimitive):
         self.progress(1, Message("approaching"))
         refusal = yield from self.follow(approach)
         if refusal is None:
-            self.retreat = up
+            self.retreat = reversed_way(down)
             refusal = yield from self.follow(down, landing=landing)
+            if refusal is None:
+                self.retreat = up
         if refusal is not None:
             yield from self.recover()
         return refusal

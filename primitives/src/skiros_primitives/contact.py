@@ -7,6 +7,7 @@ gravity and the load account for. A contact beyond joint k loads joints 1 to k, 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,12 +42,18 @@ class Touch:
         link: The link that is touched, as far as known.
         point: Where about, in the frame of the base [m].
         direction: Unit vector in which that link moved.
+        before: The links between it and the base, which are not touched.
     """
 
     effort: float
     link: str
     point: tuple[float, float, float]
     direction: tuple[float, float, float]
+    before: frozenset[str] = frozenset()
+
+    def may_be(self, link: str) -> bool:
+        """Returns whether it may be a contact of a link, or of what is held."""
+        return link not in self.before
 
 
 def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, float, float], reason: str) -> str:
@@ -195,11 +202,24 @@ class ContactWatch:
         positions = dict(zip(spec.joints, state.positions, strict=True))
         loaded = int(np.flatnonzero(np.abs(left) > _TRACE).max(initial=0))
         link, jacobian = spec.tip, self._kinematics.jacobian(spec.tip, positions, spec.joints)
-        if loaded < len(spec.joints) - _WRIST:
-            while jacobian[:, loaded + 1 :].any() and link in self._kinematics.parents:
-                link = self._kinematics.parents[link]
-                jacobian = self._kinematics.jacobian(link, positions, spec.joints)
+        wrist = len(spec.joints) - _WRIST
+        first, inner = min(loaded, wrist), jacobian
+        while inner[:, first + 1 :].any() and link in self._kinematics.parents:
+            link = self._kinematics.parents[link]
+            inner = self._kinematics.jacobian(link, positions, spec.joints)
+        before = frozenset(_above(self._kinematics, link))
+        if loaded < wrist:
+            jacobian = inner
+        else:
+            link = spec.tip
         pose = self._kinematics.pose(link, positions)
         moved = rotation_matrix(pose.orientation) @ jacobian[:3] @ np.asarray(state.velocities)
         ahead = moved / max(1e-9, float(np.linalg.norm(moved)))
-        return Touch(effort, link, pose.position, (float(ahead[0]), float(ahead[1]), float(ahead[2])))
+        return Touch(effort, link, pose.position, (float(ahead[0]), float(ahead[1]), float(ahead[2])), before)
+
+
+def _above(kinematics: Kinematics, link: str) -> Iterator[str]:
+    """Yields the links that carry a link."""
+    while link in kinematics.parents:
+        link = kinematics.parents[link]
+        yield link

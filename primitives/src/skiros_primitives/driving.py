@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
 from skiros_primitives.contact import WholeMotion, believe_obstacle
+from skiros_primitives.docking import docking_pose
 from skiros_primitives.floor_obstacles import driving
 from skiros_primitives.lookout import Lookout, believe_seen, forget
 from skiros_primitives.postures import unstowed
@@ -277,6 +278,9 @@ class DriveBase(DrivingPrimitive):
         Its arms are stowed while it leaves, and reach out while it arrives.
         """
         base = Mobile(self.context.board, self.params.base)
+        taught = self._goal()
+        if not isinstance(taught, Failure):
+            yield from self._dock_in_reach(taught)
         self._in_use = self.context.now
         deadline = self.context.now + _COURTESY
         while True:
@@ -399,6 +403,22 @@ class DriveBase(DrivingPrimitive):
         if place is None or not isinstance(driving, Pose):
             return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
+
+    def _dock_in_reach(self, goal: Pose) -> Execution[None]:
+        """Makes the place from where the arm reaches what is wanted there the driving pose, if that is another one."""
+        location, stowed = self.params.location, {arm.id: arm.home for arm in self._robot.of(ArmSpec)}
+        self._shape = floor_obstacles.shape(self.context, self._robot, stowed)
+
+        def is_free(pose: Pose) -> Execution[bool]:
+            return not isinstance((yield from self._plan(pose)), NoMotion)
+
+        pose = yield from docking_pose(self, self._robot, location, goal, is_free)
+        place = map_pose(self.context, location)
+        if pose != goal and place is not None:
+            off = pose.distance(goal) * 1e3
+            reason = Message("the arm reaches more from {off:.0f} mm beside", off=off)
+            with self.world.transaction(author=self.name, reason=reason) as tx:
+                tx.set(location, v.DRIVING_POSE, place.inverse() @ pose)
 
     def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""

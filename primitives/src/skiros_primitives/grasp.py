@@ -6,9 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from skiros_primitives.arm_moves import HandlingPrimitive, refused
+from skiros_primitives.arm_moves import HandlingPrimitive, refused, reversed_way
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
@@ -129,7 +127,7 @@ class Grasp(HandlingPrimitive):
         if self.retreat is None:
             return
         if self._lifting:
-            down, weight, refusal = _reversed(self.retreat), self.weight(self.params.part), None
+            down, weight, refusal = reversed_way(self.retreat, slower=2), self.weight(self.params.part), None
             for _ in range(_TRIES):
                 refusal = yield from self.follow_from_here(down, expected=weight)
                 if refusal is None:
@@ -146,23 +144,12 @@ class Grasp(HandlingPrimitive):
         with self.world.transaction(author=self.name, reason=Message("grasp failed: {found}", found=found)) as tx:
             write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
-            yield from self.follow(_reversed(up), expected=self.weight(self.params.part), landing=0.0)
+            yield from self.follow(reversed_way(up, slower=2), expected=self.weight(self.params.part), landing=0.0)
             self.retreat, self._lifting = up, False
         yield from self.open_wide(gripper)
         yield from self.recover()
         reason = Message("{part} is not in the gripper after the lift: {found}", part=self.params.part, found=found)
         return Failure(reason, values={"cause": "not grasped"})
-
-
-def _reversed(way: Trajectory) -> Trajectory:
-    """Returns the way down for a way up, at half its speed."""
-    last = len(way.positions) - 1
-    steps = np.linspace(last, 0, 2 * last + 1)
-    positions, velocities = (
-        np.column_stack([np.interp(steps, range(last + 1), column) for column in one.T])
-        for one in (way.positions, way.velocities)
-    )
-    return Trajectory(positions, -0.5 * velocities)
 
 
 def _felt(state: GripperState) -> str:

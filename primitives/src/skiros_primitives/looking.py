@@ -15,7 +15,7 @@ from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
-from skiros_py.ports.motion import MotionPlan, NoMotion, PoseMove, Route, Vector
+from skiros_py.ports.motion import SHARES, MotionPlan, NoMotion, PoseMove, Route, Vector
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -99,11 +99,12 @@ class LookingPrimitive(ArmPrimitive):
         """
         base = self.base_pose
         refusal: NoMotion | None = None
-        fresh, others = self._sides(point, base, shown)
-        for height, views in product(_LOOK_HEIGHTS, filter(None, (fresh, others))):
+        choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
+        for share, height, views in choices:  # rather lower than nearer to things
             view, refusal = None if aside else self._looks_from(point, height, base, views), None
             if view is None:
-                planned = yield from self.plan(self._routes(point, height, base, views, aside=aside))
+                routes = self._routes(point, height, base, views, aside=aside)
+                planned = yield from self.plan(routes, shares=(share,))
                 refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
                 view = views[planned.route] if isinstance(planned, MotionPlan) else None
             if view is not None and refusal is None:

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from skiros_primitives.arm_moves import HandlingPrimitive, refused
+from skiros_primitives.arm_moves import LIFTS, HandlingPrimitive, refused
 from skiros_primitives.contact import GENTLE
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.looking import LookingPrimitive
@@ -233,7 +233,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
     """
 
     name: ClassVar[str] = "put_down"
-    lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14)
+    lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14, LIFTS[-1])
 
     @dataclass(frozen=True, slots=True)
     class Params(PuttingParams):

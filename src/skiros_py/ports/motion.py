@@ -13,11 +13,20 @@ from skiros_py.ports.values import Pending
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """Something not to touch: a solid at a pose in the map."""
+    """Something not to touch: a solid at a pose in the map.
+
+    Attributes:
+        id: Its id.
+        solid: Its shape.
+        pose: Where it is believed to be.
+        error: How far beside that it may be for the robot, since neither knows exactly where it is [m]. Planners keep
+            away by so much, and by less only where they find nothing else.
+    """
 
     id: str
     solid: Solid
     pose: Pose
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +111,10 @@ Move = JointMove | PoseMove | LineMove
 Route = tuple[Move, ...]
 
 
+SHARES = (1.0, 0.5, 0.0)
+"""Shares of the errors of obstacles that motions keep away by, the best first."""
+
+
 @dataclass(frozen=True, slots=True)
 class MotionRequest:
     """What the arm shall do next, all of it checked before anything moves.
@@ -118,6 +131,8 @@ class MotionRequest:
         speed: Share of the joint speed limits to use, 0 to 1.
         seed: Seed of every random choice of the planner.
         constraints: What holds on the whole way of every move.
+        shares: Shares of the errors of obstacles to keep away by: each is tried where there is no motion with the ones
+            before. The less it is, the slower is the motion.
     """
 
     device: str
@@ -130,6 +145,7 @@ class MotionRequest:
     speed: float = 1.0
     seed: int = 0
     constraints: tuple[Constraint, ...] = ()
+    shares: tuple[float, ...] = SHARES
 
 
 Cause = Literal["collision", "constraint", "singularity", "limits", "reach", "not found"]
@@ -146,6 +162,7 @@ class Refusal:
             where the end of the move is not possible in the first place.
         cause: What kind of reason it is.
         reason: The reason, for a person.
+        touches: The obstacles that would be touched, each with the link of the robot that would touch it.
     """
 
     route: int
@@ -153,6 +170,7 @@ class Refusal:
     planner: str
     cause: Cause
     reason: str
+    touches: tuple[tuple[str, str], ...] = ()
 
 
 def furthest(refusals: Iterable[Refusal]) -> Refusal | None:
@@ -184,6 +202,7 @@ class MotionPlan:
         ends: The same for the posture at the end.
         planners: What found each leg: "joint interpolation", "straight line", the name of a sampling planner.
         refusals: Why other ways of moving were not taken.
+        share: Share of the errors of obstacles that it keeps away by: 1 where there is room.
     """
 
     route: int
@@ -192,6 +211,7 @@ class MotionPlan:
     ends: tuple[tuple[float, float], ...] = ()
     planners: tuple[str, ...] = ()
     refusals: tuple[Refusal, ...] = ()
+    share: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

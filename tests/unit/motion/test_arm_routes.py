@@ -56,7 +56,7 @@ def test_every_compartment_of_a_kit_can_be_filled_on_a_table_and_on_the_deck(
     for at, others in ((on_table, (bench.table(0.5),)), (on_deck, ())):
         for compartment in bench.compartments(at):
             plan = found(motion.plan(bench.place(part, compartment, (bench.kit(at), *others))))
-            assert bench.seconds(plan) < 7.0
+            assert bench.seconds(plan) < 8.0
 
 
 def test_the_camera_can_look_straight_down_on_every_compartment(motion: ArmMotion, bench: SimpleNamespace) -> None:
@@ -164,7 +164,7 @@ def test_a_straight_motion_that_would_collide_is_refused_and_names_the_obstacle(
     pose = Pose.of(0.7, 0.0, 0.44)
     through = bench.grasp(pose, 0.032, 0.0, frozenset({"part"}))
 
-    reason = refused(motion.plan(replace(request, routes=(through,))))
+    reason = refused(motion.plan(replace(request, routes=(through,), obstacles=request.obstacles[:1])))
 
     assert "move 2 (straight line)" in reason
     assert "touch table" in reason

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
+import coal
 import numpy as np
+import pinocchio as pin
 import pybullet
 import pytest
 
@@ -139,6 +141,28 @@ def test_planner_and_physics_engine_agree_on_random_postures(
 
     assert touching >= 20
     assert differ <= 3  # hulls of the physics engine have a margin of about a millimetre
+
+
+def test_the_hull_of_each_link_reaches_as_far_as_its_mesh_to_all_sides(robot: RobotSpec, tmp_path: Path) -> None:
+    urdf = write_robot_urdf(robot.model, tmp_path)
+    arm = ArmModel(urdf, robot.of(ArmSpec)[0], robot.of(GripperSpec))
+    full = pin.buildModelFromUrdf(str(urdf))
+    meshes = pin.buildGeomFromUrdf(full, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(urdf.parent)])
+    hulls = {hull.name: hull.geometry for hull in arm.collision_shapes(0.0).geometryObjects}
+    sides = np.random.default_rng(1).normal(size=(50, 3))
+    off, there = {}, coal.Transform3s()
+
+    for mesh in meshes.geometryObjects:
+        if hasattr(mesh.geometry, "vertices"):
+            points = np.asarray(mesh.geometry.vertices())
+            for side in sides / np.linalg.norm(sides, axis=1)[:, None]:
+                wall, found = coal.Halfspace(side, -1.0), coal.DistanceResult()
+                coal.distance(hulls[mesh.name], there, wall, there, coal.DistanceRequest(), found)
+                error = abs(found.min_distance - float((points @ side).min() + 1.0))
+                off[mesh.name] = max(off.get(mesh.name, 0.0), error)
+
+    assert len(off) >= 10
+    assert {name: error for name, error in off.items() if error > 1e-4} == {}
 
 
 def test_the_same_scene_checks_the_same_pairs_every_time(

@@ -232,7 +232,7 @@ def test_a_goal_that_breaks_a_constraint_is_refused_with_the_angle(fresh: ArmMot
 def test_a_keep_out_volume_is_not_entered_even_by_a_line_that_may_touch(fresh: ArmMotion) -> None:
     start, (x, y, z) = tip(LEFT), tip(LEFT).position
     down = LineMove(Pose((x, y, z - 0.15), start.orientation), touching=frozenset({"volume"}))
-    box = Solid.box(0.3, 0.3, 0.1)
+    box = Solid.box(0.3, 0.3, 0.045)
     below = Pose((x, y, z - 0.15))
 
     touching = fresh.plan(request(LEFT, down, obstacles=(Obstacle("volume", box, below),)))

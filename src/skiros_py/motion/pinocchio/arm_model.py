@@ -8,8 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import coal
 import numpy as np
 import pinocchio as pin
+from scipy.spatial import ConvexHull
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
@@ -144,7 +146,16 @@ def _convex_shapes(model: pin.Model, urdf: Path) -> pin.GeometryModel:
     """Replaces each mesh by its convex hull, which is what a physics engine collides too."""
     shapes = pin.buildGeomFromUrdf(model, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(urdf.parent)])
     for shape in shapes.geometryObjects:
-        if hasattr(shape.geometry, "buildConvexRepresentation"):
-            shape.geometry.buildConvexRepresentation(False)
-            shape.geometry = shape.geometry.convex
+        if hasattr(shape.geometry, "vertices"):
+            shape.geometry = _hull(np.asarray(shape.geometry.vertices()))
     return shapes
+
+
+def _hull(points: Array) -> coal.Convex:
+    """Returns the convex hull of points, of its corners alone: Coal's own keeps points inside, and errs then."""
+    hull = ConvexHull(points)
+    corners, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    corners.extend(list(points[hull.vertices]))
+    number = {int(vertex): index for index, vertex in enumerate(hull.vertices)}
+    triangles.extend([coal.Triangle(*(number[int(vertex)] for vertex in face)) for face in hull.simplices])
+    return coal.Convex(corners, triangles)

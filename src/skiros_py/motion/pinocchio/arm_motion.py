@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,17 +10,27 @@ import shapely
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import UnknownName
-from skiros_py.geometry import Array
+from skiros_py.geometry import Array, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
-from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
+from skiros_py.motion.pinocchio.collision import Checker, CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
 from skiros_py.motion.pinocchio.lines import Lines
-from skiros_py.motion.pinocchio.route_search import RouteSearch
+from skiros_py.motion.pinocchio.route_search import Chain, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
 from skiros_py.ports.adapters import InstalledPorts, Ports
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import InverseKinematics
-from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, SamplingPlanner, Trajectory
+from skiros_py.ports.motion import (
+    Held,
+    LineMove,
+    MotionPlan,
+    MotionRequest,
+    NoMotion,
+    Obstacle,
+    Refusal,
+    SamplingPlanner,
+    Trajectory,
+)
 
 _THICK = 0.12
 """How far links, hand and camera stick out around the joints and the tip [m]."""
@@ -58,7 +69,15 @@ def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
 
 
 _TIP_SPEED = 0.65
-"""Greatest speed of the tip [m/s]; a slower arm hits more softly, but nothing stops it at a contact yet."""
+"""Greatest speed of the tip [m/s]."""
+_NEAR_SPEED = 0.25
+"""The same near to things, and where it comes near to them at last: what is met there is hit softly [m/s]."""
+_NEAR = 0.05
+"""How near that is [m]."""
+_COMING = 0.2
+"""Length of the last stretch before a line at whose end something is taken or put down [m]."""
+_CAREFUL = 0.5
+"""Share of the speed at which it moves where it may hit something, since it keeps away by less than the error."""
 _LOADED = 7.5
 """Greatest joint acceleration with a load, whose inertia would be felt as a contact [rad/s²]."""
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
@@ -96,32 +115,80 @@ class ArmMotion:
             return NoMotion.because("limits", f"the arm starts with {beyond}")
         name = request.device
         solver, pairs, planner = self._solvers[name], self._self_pairs[name], self._planners[name]
-        scene = CollisionScene(
-            arm, pairs, request.base, request.obstacles, request.held, request.gap, request.constraints
-        )
-        lines = Lines(arm, solver)
-        moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
-        search = RouteSearch(arm, solver, scene, request.base, request.seed, lines, moves)
-        found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
-        if found is None:
-            return NoMotion(search.reason(request.routes), refusals=search.refusals)
+        lines, refusals = Lines(arm, solver), tuple[Refusal, ...]()
+        for share in request.shares if any(one.error for one in request.obstacles) else (1.0,):
+            around = [_grown(one, share * one.error) for one in request.obstacles]
+            scene = CollisionScene(arm, pairs, request.base, around, request.held, request.gap, request.constraints)
+            moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
+            search = RouteSearch(arm, solver, scene, request.base, request.seed, lines, moves)
+            found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
+            refusals += search.refusals
+            if found is not None:
+                return self._timed(
+                    arm, scene, request, found, MotionPlan(found.route, (), refusals=refusals, share=share)
+                )
+            if all(one.cause in {"reach", "limits"} for one in search.refusals):
+                break
+        return NoMotion(search.reason(request.routes), refusals=refusals)
+
+    @staticmethod
+    def _timed(
+        arm: ArmModel, scene: CollisionScene, request: MotionRequest, found: Chain, plan: MotionPlan
+    ) -> MotionPlan:
+        """Gives a plan its motions, the slower the nearer to things it may come."""
         acceleration = arm.acceleration if request.held is None else np.minimum(arm.acceleration, _LOADED)
-        limits = JointLimits(arm.velocity, acceleration).scaled(request.speed)
-        legs = tuple(
-            _joined([time_path(piece, limits, _rates(arm, piece, leg.rate)) for piece in leg.pieces])
-            for leg in found.legs
-        )
-        postures = np.vstack([start, *(leg.positions for leg in legs)])
+        careful = 1.0 if plan.share >= 1.0 else _CAREFUL
+        limits = JointLimits(arm.velocity, acceleration).scaled(request.speed * careful)
+        near, route = scene.checker(_NEAR), request.routes[found.route]
+        legs = []
+        for number, leg in enumerate(found.legs):
+            comes = any(isinstance(move, LineMove) for move in route[number + 1 : number + 2])
+            end = arm.tip_pose(leg.goal).translation if comes and not isinstance(route[number], LineMove) else None
+            rates = (_rates(arm, piece, leg.rate, near, end) * careful for piece in leg.pieces)
+            legs.append(
+                _joined([time_path(piece, limits, rate) for piece, rate in zip(leg.pieces, rates, strict=True)])
+            )
+        postures = np.vstack([np.array(request.start), *(leg.positions for leg in legs)])
         covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
         planners = tuple(leg.planner for leg in found.legs)
-        return MotionPlan(found.route, legs, covers, ends, planners, search.refusals)
+        return replace(plan, legs=tuple(legs), covers=covers, ends=ends, planners=planners)
 
 
-def _rates(arm: ArmModel, path: Array, most: float) -> Array:
-    """Returns the greatest rates of the path parameter along a path, so that the tip is nowhere too fast [1/s]."""
-    places = np.array([arm.tip_pose(posture).translation for posture in path])
-    ways = np.linalg.norm(np.gradient(places, 1.0 / (len(path) - 1), axis=0), axis=1)
-    return np.asarray(np.minimum(most, _TIP_SPEED / np.maximum(ways, 1e-9)))
+def _grown(obstacle: Obstacle, by: float) -> Obstacle:
+    """Returns an obstacle that is larger to all sides, but not higher where it stands upright [m]."""
+    if by <= 0.0:
+        return obstacle
+
+    def larger(block: Primitive) -> Primitive:
+        upright = abs((obstacle.pose @ block.pose).matrix()[2, 2]) > _UPRIGHT
+        sides = (by, 2.0 * by) if block.kind == "cylinder" else (2.0 * by,) * 3
+        more = (*sides[:-1], 0.0 if upright else sides[-1])
+        return replace(block, size=tuple(length + extra for length, extra in zip(block.size, more, strict=True)))
+
+    return replace(obstacle, solid=Solid(tuple(map(larger, obstacle.solid.primitives))))
+
+
+_UPRIGHT = 0.999
+"""Cosine of the angle up to which a block counts as upright."""
+
+
+def _rates(arm: ArmModel, path: Array, most: float, near: Checker, end: Array | None) -> Array:
+    """Returns the greatest rates of the path parameter along a path, so that nothing is too fast anywhere [1/s].
+
+    Args:
+        arm: The arm.
+        path: The path, shape (n, joints).
+        most: Greatest rate anywhere [1/s].
+        near: Tells where nothing is near.
+        end: Where the tip comes near to things at last; None where it does not [m].
+    """
+    places = np.array([_points(arm, posture, np.zeros((1, 3))) for posture in path])
+    ways = np.linalg.norm(np.gradient(places, 1.0 / (len(path) - 1), axis=0), axis=2) + 1e-9
+    slow = np.array([not near.clear(posture) for posture in path])
+    if end is not None:
+        slow |= np.linalg.norm(places[:, -1] - end, axis=1) < _COMING
+    near_rate = np.where(slow, _NEAR_SPEED / ways.max(axis=1), np.inf)
+    return np.asarray(np.minimum(np.minimum(most, near_rate), _TIP_SPEED / ways[:, -1]))
 
 
 def _joined(pieces: list[Trajectory]) -> Trajectory:

@@ -24,7 +24,9 @@ _PROJECTIONS = 20
 """Steps in which a posture is brought to where the constraints hold."""
 _INSIDE = 0.7
 """Share of the angle of a cone within which such a posture is brought."""
-_DEEPEST_START = 0.03  # [m] how deep the arm may seem to stick in something where a motion starts (localisation error)
+_PALM = 0.05  # [m] from the tip to the palm: what is higher than that above the end of a line stands beside it
+_LEAVING = 0.4  # [rad] within so much of its start a motion leaves what it is too near to
+_OWN = 0.005  # [m] greatest margin between parts of the robot itself, whose places are known exactly
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,7 @@ class Fault:
 
     cause: Cause
     reason: str
+    touches: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +60,7 @@ class Contact:
 class _Pair:
     contact: Contact
     may_touch: bool  # the gripper or the held body against an obstacle: what a move may declare as touching
+    top: float = 0.0  # height of the obstacle [m]
 
 
 def self_collision_pairs(arm: ArmModel) -> frozenset[tuple[str, str]]:
@@ -154,19 +158,29 @@ class CollisionScene:
         """The pairs that are checked, as the contacts they would be."""
         return tuple(pair.contact for pair in self._pairs)
 
-    def checker(self, margin: float, touching: frozenset[str] = frozenset(), start: Array | None = None) -> Checker:
+    def checker(
+        self,
+        margin: float,
+        touching: frozenset[str] = frozenset(),
+        start: Array | None = None,
+        lowest: float = math.inf,
+    ) -> Checker:
         """Returns a checker for one kind of move.
 
         Args:
             margin: Smallest distance to keep [m].
-            touching: Ids of obstacles that gripper and held body may touch.
+            touching: Ids of obstacles that gripper and held body may touch, where they are not above the palm.
             start: Joint angles [rad] at which the move starts; pairs closer than the margin there only must not get
-                closer.
+                closer, and are left within 0.4 rad.
+            lowest: Least height of the tip in the move [m].
         """
-        active = [not (pair.may_touch and pair.contact.other in touching) for pair in self._pairs]
+        touchable = (pair.may_touch and pair.contact.other in touching for pair in self._pairs)
+        highest = lowest + _PALM
+        active = [not may or pair.top > highest for may, pair in zip(touchable, self._pairs, strict=True)]
         checker = Checker(self._arm, self._shapes, list(self.contacts), active, margin, self.cones)
-        if start is not None:
-            checker.tolerate(start)
+        if start is not None and not checker.clear(start):
+            strict = Checker(self._arm, self._shapes, list(self.contacts), active, margin, self.cones)
+            checker.tolerate(start, strict)
         return checker
 
     def _add_held(self, held: Held) -> list[int]:
@@ -181,11 +195,12 @@ class CollisionScene:
             self.near.append(replace(obstacle, solid=Solid(blocks)))
         for block in blocks:
             shape_id = self._add(obstacle.id, 0, placement, block)
+            top = float(Solid((replace(block, pose=obstacle.pose @ block.pose),)).bounds()[1][2])
             for i, joint, _ in self._robot:
                 if joint > 0:
-                    self._pair(i, shape_id, obstacle.id, kept_out=kept_out)
+                    self._pair(i, shape_id, obstacle.id, kept_out=kept_out, top=top)
             for held_id in self._held:
-                self._pair(held_id, shape_id, obstacle.id, kept_out=kept_out)
+                self._pair(held_id, shape_id, obstacle.id, kept_out=kept_out, top=top)
 
     def _within_reach(self, placement: pin.SE3, block: Primitive) -> bool:
         radius = float(np.linalg.norm(block.size))
@@ -202,13 +217,13 @@ class CollisionScene:
     def _link(self, shape_id: int) -> str:
         return _HELD if shape_id in self._held else self._robot[shape_id][2]
 
-    def _pair(self, first: int, second: int, obstacle: str | None, *, kept_out: bool = False) -> None:
+    def _pair(self, first: int, second: int, obstacle: str | None, *, kept_out: bool = False, top: float = 0.0) -> None:
         link = self._link(first)
         other = obstacle if obstacle is not None else self._link(second)
         is_hand = link == _HELD or link in self._arm.gripper_links
         free_to_touch = obstacle is not None and is_hand and not kept_out
         self._shapes.addCollisionPair(pin.CollisionPair(first, second))
-        self._pairs.append(_Pair(Contact(link, other, obstacle is not None, kept_out), free_to_touch))
+        self._pairs.append(_Pair(Contact(link, other, obstacle is not None, kept_out), free_to_touch, top))
 
 
 class Checker:
@@ -229,9 +244,10 @@ class Checker:
         self._contacts = contacts
         self._data = arm.model.createData()
         self._results = shapes.createData()
-        self._margin = margin
+        self._start: Array | None = None
+        self._strict: Checker | None = None
         for i, is_active in enumerate(active):
-            self._results.collisionRequests[i].security_margin = margin
+            self._results.collisionRequests[i].security_margin = margin if contacts[i].obstacle else min(margin, _OWN)
             if not is_active:
                 self._results.deactivateCollisionPair(i)
         manager = pin.BroadPhaseManager_NaiveCollisionManager
@@ -241,14 +257,19 @@ class Checker:
 
     def clear(self, q: Array) -> bool:
         """Returns True when nothing is nearer than the margin at joint angles [rad], and the constraints hold."""
+        if (strict := self._beyond(q)) is not None:
+            return strict.clear(q)
         hits = pin.computeCollisions(self._arm.model, self._data, self._manager, q, True)
         return not hits and (not self._cones or self._tilted(q) is None)
 
     def fault(self, q: Array) -> Fault | None:
         """Returns what is too close at joint angles [rad], or the constraint that does not hold; None for neither."""
-        touching = self._touching(q)
+        if (strict := self._beyond(q)) is not None:
+            return strict.fault(q)
+        touching = [self._contacts[i] for i in self._touching(q)]
         if touching:
-            return self._contacts[touching[0]].fault
+            touches = tuple((one.link, one.other) for one in touching if one.obstacle and not one.kept_out)
+            return replace(touching[0].fault, touches=touches)
         if (tilted := self._tilted(q)) is None:
             return None
         (_, _, most), angle = tilted
@@ -277,12 +298,22 @@ class Checker:
                 return cone, angle
         return None
 
-    def tolerate(self, q: Array) -> None:
-        """Permits pairs that are too close at joint angles [rad] to stay as close as they are there."""
+    def tolerate(self, q: Array, strict: Checker) -> None:
+        """Permits pairs that are too close at joint angles [rad] to stay as close as they are there while it leaves.
+
+        Args:
+            q: The joint angles.
+            strict: Checks postures further away.
+        """
         for i in self._touching(q):
             distance = pin.computeDistance(self._shapes, self._results, i).min_distance
-            if distance > -_DEEPEST_START:
-                self._results.collisionRequests[i].security_margin = min(self._margin, distance - 0.001)
+            request = self._results.collisionRequests[i]
+            request.security_margin = min(request.security_margin, distance - 0.001)
+        self._start, self._strict = q, strict
+
+    def _beyond(self, q: Array) -> Checker | None:
+        """Returns what checks joint angles at which the start must have been left."""
+        return self._strict if self._start is not None and np.abs(q - self._start).max() > _LEAVING else None
 
     def _touching(self, q: Array) -> list[int]:
         if not pin.computeCollisions(self._arm.model, self._data, self._manager, q, True):

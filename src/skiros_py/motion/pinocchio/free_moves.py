@@ -22,6 +22,7 @@ from skiros_py.ports.motion import SamplingPlanner, SearchTask
 FREE_MARGIN = 0.005
 """Distance kept from everything on free moves [m]."""
 _FINE = 0.01  # [m] the arm moves at most about this far between two checked postures
+_ROWS = 25  # postures that stand for a straight motion of the joints
 _COARSE = 0.03  # [m] the same while searching; what is found is checked finely afterwards
 _SHORT_CUTS = 60
 _SAMPLES = 3000  # drawn by a search at most
@@ -119,7 +120,7 @@ class FreeMoves:
         checker = self._checker(start)
         faults = (checker.fault(posture) for posture in self._postures(start, goal, _FINE))
         fault = next((fault for fault in faults if fault is not None), None)
-        return fault or (np.linspace(start, goal, 5),)
+        return fault or (np.linspace(start, goal, _ROWS),)
 
     def _lined(self, start: Array, goal: Array) -> Pieces | Fault:
         postures = self._lines.between(start, goal, self._checker(start))
@@ -190,7 +191,7 @@ class FreeMoves:
 
 def _pieces(path: Sequence[Array], checker: Checker) -> Pieces:
     rounded = round_corners(path, checker.clear)
-    return (rounded,) if rounded is not None else tuple(np.linspace(a, b, 5) for a, b in pairwise(path))
+    return (rounded,) if rounded is not None else tuple(np.linspace(a, b, _ROWS) for a, b in pairwise(path))
 
 
 def _at(path: Sequence[Array], place: float) -> Array:

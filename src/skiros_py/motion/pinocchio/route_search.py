@@ -23,7 +23,10 @@ from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Refusal, Route, furthest
 
 _LINE = "straight line"
-_ROOMY = 0.02  # [m] a posture that comes nearer to something is taken only if it saves as much joint motion as ...
+_ROOMY = (
+    0.02,
+    0.05,
+)  # [m] a posture that comes nearer than one of these is taken only if it saves as much motion as ...
 _TIGHT = 0.5  # [rad] ... this
 _LINE_MARGIN = 0.002  # [m] on lines, which go where it is narrow
 _POSTURES = 6  # tried per pose
@@ -43,14 +46,14 @@ class Leg:
             between pieces. None for a free move that is not planned yet.
         rate: Greatest rate of the path parameter [1/s]: tip speed over tip way for a straight line.
         planner: What found it.
-        tight: Whether its end is near to something.
+        tight: How many of the distances that make a posture a roomy one its end does not keep.
     """
 
     goal: Array
     pieces: Pieces = ()
     rate: float = math.inf
     planner: str = _LINE
-    tight: bool = False
+    tight: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,6 +106,7 @@ class RouteSearch:
         self._to_base = se3(base.inverse())
         self._rng = np.random.default_rng(seed)
         self._free = scene.checker(FREE_MARGIN)
+        self._roomy = [scene.checker(margin) for margin in _ROOMY]
         self._refusals: dict[Refusal, None] = {}
         self._known: dict[Pose, list[Array]] = {}
 
@@ -137,7 +141,7 @@ class RouteSearch:
         return f"{place}move {order.move + 1} ({kind}): {order.reason}"
 
     def _refuse(self, route: int, move: int, planner: str, fault: Fault) -> None:
-        self._refusals[Refusal(route, move, planner, fault.cause, fault.reason)] = None
+        self._refusals[Refusal(route, move, planner, fault.cause, fault.reason, fault.touches)] = None
 
     def _chains(self, index: int, start: Array, route: Route) -> list[Chain]:
         """Returns chains of postures for a whole route, lines checked, free moves only guessed."""
@@ -158,8 +162,9 @@ class RouteSearch:
 
     def _legs(self, chain: Chain, move: Move, *, first: bool) -> Iterable[Leg] | Fault:
         if isinstance(move, LineMove):
-            checker = self._scene.checker(_LINE_MARGIN, move.touching, chain.end if first else None)
             goal = self._in_base(move.pose)
+            lowest = min(float(pose.translation[2]) for pose in (goal, self._arm.tip_pose(chain.end)))
+            checker = self._scene.checker(_LINE_MARGIN, move.touching, chain.end if first else None, lowest)
             postures = self._lines.follow(chain.end, goal, checker)
             if isinstance(postures, Fault):
                 return postures
@@ -167,8 +172,7 @@ class RouteSearch:
         goals = self._goals(chain, move)
         if isinstance(goals, Fault):
             return goals
-        roomy = self._scene.checker(_ROOMY) if len(goals) > 1 else None
-        return [Leg(goal, tight=roomy is not None and not roomy.clear(goal)) for goal in goals]
+        return [Leg(goal, tight=sum(not roomy.clear(goal) for roomy in self._roomy)) for goal in goals]
 
     def _goals(self, chain: Chain, move: JointMove | PoseMove) -> list[Array] | Fault:
         """Returns the postures that end a free move, the nearest first."""
