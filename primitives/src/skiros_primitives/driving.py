@@ -316,7 +316,7 @@ class DriveBase(DrivingPrimitive):
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
                 found = yield from self._wait_until_free(way, outline, deadline)
                 if way.free:
-                    outcome = yield from self._follow(base, path, way, arms)
+                    outcome = yield from self._follow(base, path, way, goal, arms)
                     if self.bumped or self.seen or self.displaced or self._is_off:
                         self._surprises += 1
                         self._again = self._surprises <= _SURPRISES
@@ -329,14 +329,14 @@ class DriveBase(DrivingPrimitive):
         finally:
             arms.ended = True
 
-    def _follow(self, base: Mobile, path: Path, way: Way, arms: TravellingArms) -> Execution[Outcome]:
+    def _follow(self, base: Mobile, path: Path, way: Way, goal: Pose, arms: TravellingArms) -> Execution[Outcome]:
         yield from arms.find_clear(path)
         if path.legs:
             self.leave(Message("drives off"))
         yield  # the way was asked for in this cycle, which takes some milliseconds, too
         known = obstacles(self.context, parts=True)
         lookout = arms.lookout = Lookout(self.context, self._robot, self._shape, self.pose, path, known, self._met)
-        place = PlaceInSight.of(self.context, self._robot, base, self.params.location)
+        place = PlaceInSight.of(self.context, self._robot, base, self.params.location, goal)
         stuck = yield from self.drive(base, path, way, lookout=lookout, place=place, arms=arms)
         if stuck is not None and arms.touched:
             yield from arms.settled()

@@ -18,7 +18,7 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import Obstacle
-from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, reach, swept
+from skiros_py.ports.paths import TALLEST, Layer, Outline, floor_area, hull, reach, swept
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import held_by, map_pose, obstacles
 from skiros_py.world import vocabulary as v
@@ -100,17 +100,16 @@ def shape(
         postures: Joint angles of arms, by id [rad]; the others are as they are.
     """
     layers = [Layer(tuple(robot.outline))]
-    base = shapely.MultiPoint(list(robot.outline)).convex_hull
+    base = hull(robot.outline)
     for arm in robot.of(ArmSpec):
         kinematics = context.ports.find(Kinematics, arm.id)
         if kinematics is not None:
             around = [
                 covered_by_link(*piece) for piece in _pieces(context, robot, arm, kinematics, postures.get(arm.id))
             ]
-            out = [layer for layer in around if not base.covers(shapely.MultiPoint(list(layer.outline)))]
+            out = [layer for layer in around if not base.covers(hull(layer.outline))]
             if out:
-                hull = shapely.MultiPoint(outline(out)).convex_hull
-                corners = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(hull)[:-1])
+                corners = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(hull(outline(out)))[:-1])
                 layers.append(Layer(corners, min(one.bottom for one in out), max(one.top for one in out)))
     return tuple(layers)
 
@@ -217,7 +216,7 @@ def asides(
         area: Where its middle must not be.
     """
     here = shapely.Point(start.position[:2])
-    narrowest = shapely.Point(0.0, 0.0).distance(shapely.MultiPoint(list(outline)).convex_hull.boundary)
+    narrowest = shapely.Point(0.0, 0.0).distance(hull(outline).boundary)
     closed = shapely.union_all([floor_area(one.solid, one.pose) for one in around])
     parts = shapely.get_parts(_floor(context, here).difference(closed.buffer(0.9 * narrowest)))
     within = shapely.union_all([part for part in parts if part.intersects(here)])

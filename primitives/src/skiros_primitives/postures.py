@@ -108,7 +108,10 @@ class MoveArm(ArmPrimitive):
         """
         postures, stuck = carrying_postures(self.arm.spec), NoMotion("")
         robot, spec = self.robot, self.arm.spec
-        fitting = [n for n, posture in enumerate(postures) if fits(self.context, robot, spec, posture, location)]
+        fitting: list[int] = []
+        for number, posture in enumerate(postures):
+            fitting += [number] if fits(self.context, robot, spec, posture, location) else []
+            yield
         for number in self.context.tried.fresh("posture", fitting or range(len(postures))):
             planned = yield from self.plan([(JointMove(postures[number]),)])
             if isinstance(planned, MotionPlan):

@@ -38,8 +38,8 @@ _LANDING = 0.012
 """How far above this a part that has met something stands on the floor already, unless the walls are lower [m]."""
 _OVER = 0.010
 """How far above the walls the way down becomes slow [m]."""
-_FAST, _SLOW = 0.20, 0.06
-"""Greatest speeds on the way down [m/s]."""
+_FAST, _SLOW, _UP = 0.25, 0.10, 0.35
+"""Greatest speeds on the way down to the walls, below that, and up again [m/s]."""
 _OPEN, _LEAST_OPEN = 0.016, 0.004
 """How far the fingers open past the part's width: where there is room, and in any case [m]."""
 _FINGER = (0.011, 0.015, 0.010)
@@ -137,7 +137,7 @@ class PuttingPrimitive(HandlingPrimitive):
     def way(self, tool: Pose, spot: Spot, lift: float) -> Route:
         """Returns the way from anywhere above a pose of the tool, fast to the walls, slowly down, and up again."""
         high, near = Pose((0.0, 0.0, lift)) @ tool, Pose((0.0, 0.0, spot.walls + _OVER)) @ tool
-        line = [(near, _FAST), (tool, _SLOW), (high, _FAST)]
+        line = [(near, _FAST), (tool, _SLOW), (high, _UP)]
         return (PoseMove(high), *(LineMove(pose, speed, spot.touching) for pose, speed in line))
 
     def room(self, tool: Pose) -> float:
@@ -274,7 +274,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         tool, legs = self.tools(spot)[chosen], planned.legs[1:]
         for attempt in range(_TRIES + len(_SIDES)):
             if attempt < _TRIES:
-                seen = yield from self._look()
+                seen = yield from self._look(aside=attempt > 0)
                 if isinstance(seen, str):
                     return Failure(seen)
                 aimed, tool = tool, self.tools(spot)[chosen]
@@ -301,8 +301,11 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         known = {"part": self.params.part, "place": spot.place}
         return Failure(Message("{part} lands on something higher than the floor of {place}, beside too", **known))
 
-    def _look(self) -> Execution[bool | str]:
-        """Looks where kit and compartment are, from where the arm is; where they are not seen from there, from aside.
+    def _look(self, *, aside: bool) -> Execution[bool | str]:
+        """Looks where kit and compartment are, from where the arm is.
+
+        Args:
+            aside: True to look from aside where what is held hides them; else the last look and the landing have to do.
 
         Returns:
             Whether the arm is still where it was; a text: why nothing can be put there.
@@ -314,6 +317,8 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             return True
         picture = yield from self.capture()
         result = yield from self.register(kit, believed, picture)
+        if result.pose is None and not aside:
+            return True
         if result.pose is None:
             known = {"arm": self.params.arm, "camera": camera, "kit": kit, "compartment": compartment}
             outcome = yield from self.call("register_kit", **known)

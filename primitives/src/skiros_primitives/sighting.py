@@ -45,7 +45,7 @@ _EDGE = 0.05
 _OTHERS = 40
 """So many of the other rays of a scan are enough."""
 _STEPS = 12
-_DONE = 1e-5
+_DONE = 1e-4
 """Size of the step that is the last one [m, rad]."""
 _PRIOR = np.array([0.2, 0.2, math.radians(10.0)])
 """Standard deviations of the believed place [m] and heading [rad] before anything is seen."""
@@ -356,11 +356,13 @@ class PlaceInSight:
         context: The run.
         robot: The robot.
         base: Its base.
+        goal: Where the base drives there, in the map.
         thing: What is looked at.
     """
 
-    def __init__(self, context: RunContext, robot: RobotSpec, base: Mobile, thing: Obstacle) -> None:
+    def __init__(self, context: RunContext, robot: RobotSpec, base: Mobile, goal: Pose, thing: Obstacle) -> None:
         self.body = thing.id
+        self._goal = goal
         self._context, self._robot, self._base = context, robot, base
         self._solid, self._believed = thing.solid, thing.pose
         self._around = obstacles(context, parts=False, without=frozenset({thing.id}))
@@ -368,13 +370,13 @@ class PlaceInSight:
         self._sighting: Sighting | None = None
 
     @classmethod
-    def of(cls, context: RunContext, robot: RobotSpec, base: Mobile, location: str) -> PlaceInSight | None:
+    def of(cls, context: RunContext, robot: RobotSpec, base: Mobile, location: str, goal: Pose) -> PlaceInSight | None:
         """Returns the view of a location, or None: the robot has no scanner, or nothing there stands on the floor."""
         at: str | None = location if robot.of(ScannerSpec) else None
         while at is not None:
             solid, pose = solid_of(context.world, at), map_pose(context, at)
             if solid is not None and pose is not None and pose.position[2] < _LOW:
-                return cls(context, robot, base, Obstacle(at, solid, pose))
+                return cls(context, robot, base, goal, Obstacle(at, solid, pose))
             placement = context.world.placement(at)
             whole = next(iter(context.world.subjects(v.HAS_A, at)), None)
             at = whole if placement is None else placement.place
@@ -416,14 +418,27 @@ class PlaceInSight:
 
     @property
     def robot_pose(self) -> Pose:
-        """Where the robot is in the map, if the place is where it is believed to be; as localised if it is not seen."""
+        """Where the robot is in the map, if the place is where it is believed to be; as localised if it is not seen.
+
+        That takes effect little by little on the way: a small error in how the place is turned is a large one of where
+        a robot is that is far from it, and no base follows a pose that jumps.
+        """
+        corrected, localised = self._corrected, self._localised
+        left = math.dist(localised.position[:2], self._goal.position[:2])
+        share = min(1.0, max(0.0, (_BEGINS - left) / (_BEGINS - _WHOLE)))
+        between = localised.inverse() @ corrected
+        x, y, _ = (share * one for one in between.position)
+        return localised @ Pose.of(x, y, 0.0, yaw=share * between.yaw)
+
+    @property
+    def _corrected(self) -> Pose:
         seen, localised = self.pose, self._localised
         return localised if seen is None else self._believed @ seen.inverse() @ localised
 
     @property
     def is_far_off(self) -> bool:
         """True when it is not where it is believed to be, by more than a base should correct on its way."""
-        corrected, localised = self.robot_pose, self._localised
+        corrected, localised = self._corrected, self._localised
         turned = abs(wrap_angle(corrected.yaw - localised.yaw))
         return math.dist(corrected.position[:2], localised.position[:2]) > _FAR or turned > _TURNED
 
@@ -440,5 +455,7 @@ class PlaceInSight:
         return self._context.board.snapshot.state(spec.id, ScannerState)
 
 
+_BEGINS, _WHOLE = 1.5, 0.4
+"""Distances from the goal between which that takes effect [m]."""
 _FAR, _TURNED = 0.04, math.radians(1.5)
 """By what the place of a base may be corrected while it drives [m, rad]."""

@@ -158,6 +158,12 @@ def reach(outline: Outline) -> float:
     return max(math.hypot(x, y) for x, y in outline)
 
 
+def hull(points: Array | Outline) -> BaseGeometry:
+    """Returns the convex hull of points, seen from above [m]."""
+    found: BaseGeometry = shapely.multipoints(np.asarray(points, dtype=float)[:, :2])  # type: ignore[assignment]
+    return found.convex_hull
+
+
 def placed(outline: Outline, pose: Pose) -> BaseGeometry:
     """Returns the area of an outline at a pose [m, map]; empty for a robot that does not touch the floor."""
     return swept(outline, (pose, pose))[0]
@@ -167,14 +173,14 @@ def swept(outline: Outline, poses: Iterable[Pose]) -> list[BaseGeometry]:
     """Returns the area that an outline covers from each pose to the next: the hull at both [m, map]."""
     corners = np.array([(x, y, 0.0) for x, y in outline]).reshape(-1, 3)
     points = [pose.apply(corners)[:, :2] for pose in poses]
-    return [shapely.MultiPoint(np.vstack(pair)).convex_hull for pair in pairwise(points)]
+    return [hull(np.vstack(pair)) for pair in pairwise(points)]
 
 
 def floor_area(solid: Solid, pose: Pose, bottom: float = 0.0, top: float = TALLEST) -> BaseGeometry:
     """Returns the floor area of a solid [m, map]: the union of the outlines of its blocks between two heights."""
     blocks = [_corners(pose @ block.pose, block) for block in solid.primitives]
     there = [points for points in blocks if points[:, 2].min() < top and points[:, 2].max() > bottom]
-    return shapely.union_all([shapely.MultiPoint(points[:, :2]).convex_hull for points in there])
+    return shapely.union_all([hull(points) for points in there])
 
 
 def _corners(pose: Pose, block: Primitive) -> Array:

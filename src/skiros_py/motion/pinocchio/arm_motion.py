@@ -31,6 +31,7 @@ from skiros_py.ports.motion import (
     SamplingPlanner,
     Trajectory,
 )
+from skiros_py.ports.paths import hull
 
 _THICK = 0.12
 """How far links, hand and camera stick out around the joints and the tip [m]."""
@@ -58,7 +59,7 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
         body = np.vstack([body, held.pose.apply(corners)])
     points = np.vstack([_points(arm, posture, body) for posture in (*postures[::_STEP], postures[-1])])
     around = (points[:, None, :2] + _RIM).reshape(-1, 2)
-    corners = shapely.get_coordinates(shapely.MultiPoint(around).convex_hull)[:-1]
+    corners = shapely.get_coordinates(hull(around))[:-1]
     return tuple((float(x), float(y)) for x, y in corners)
 
 
