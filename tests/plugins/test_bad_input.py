@@ -6,22 +6,18 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from skiros_primitives.contact import believe_obstacle
-from skiros_primitives.driving import Bumper
 from skiros_primitives.grasp import Grasp
 from skiros_primitives.gripper import WatchGrasp
 from skiros_primitives.looking import RegisterPart
 from skiros_primitives.put_down import PutDown
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.gripper import GripperState
-from skiros_py.devices.mobile_base import BaseState
-from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.motion.pinocchio.kinematics import kinematics_of
@@ -237,18 +233,3 @@ def test_an_arm_whose_force_sensors_are_unplugged_stands_at_once_and_says_why(af
         assert bench.time == pytest.approx(after, abs=0.1)
         assert bench.cycle.board.still
         assert (arm(bench) == before) == (after == 0.0)
-
-
-@pytest.mark.parametrize("left", [None, math.nan])
-def test_a_base_whose_force_sensor_is_unplugged_is_stopped(left: float | None) -> None:
-    state = BaseState(Pose(), 0.1, 0.0, False, 0.0, 0.0)
-    base = SimpleNamespace(id="base_1", state=state)
-    ports = SimpleNamespace(find=lambda _protocol, _device: MODEL)
-    context: Any = SimpleNamespace(ports=ports, board=SimpleNamespace(period=0.005))
-    bumper = Bumper(context, base)  # type: ignore[arg-type]
-    assert not bumper.felt()
-
-    base.state = replace(state, force=left)
-
-    with pytest.raises(DeviceError, match="base_1 does not measure what its drives exert"):
-        bumper.felt()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 from skiros_primitives.driving import Bumper
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.mobile_base import BaseState
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.kinematics import BASE_JOINTS, JointMotion
 
@@ -85,3 +88,16 @@ def test_a_base_that_measures_no_force_feels_nothing() -> None:
     robot.state = BaseState(Pose(), 0.0, 0.0, still=True)
 
     assert not Bumper(context, context).felt()
+
+
+@pytest.mark.parametrize("left", [None, math.nan])
+def test_a_base_whose_force_sensor_is_unplugged_is_stopped(left: float | None) -> None:
+    robot = Robot()
+    context: Any = robot
+    bumper = Bumper(context, context)
+    assert not bumper.felt()
+
+    robot.state = replace(robot.state, force=left)
+
+    with pytest.raises(DeviceError, match="base does not measure what its drives exert"):
+        bumper.felt()
