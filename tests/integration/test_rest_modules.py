@@ -9,7 +9,7 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleDetails, ModuleRunInfo
-from skiros_py.client.request import Call
+from skiros_py.client.request import Call, result_of
 from skiros_py.client.topics import Modules
 from skiros_py.server.services import Services
 
@@ -37,7 +37,7 @@ def done(api: httpx2.Client, call: Call[Any]) -> Any:
     query = {key: value for key, value in call.query.items() if value is not None}
     response = api.request(call.method, call.path, json=call.json, params=query)
     assert response.is_success, response.text
-    return call.result(response)
+    return result_of(call, response)
 
 
 def turns(api: httpx2.Client, run: ModuleRunInfo, least: int) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ import pytest
 from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleRunInfo
-from skiros_py.client.request import Call
+from skiros_py.client.request import Call, result_of
 from skiros_py.client.topics import Devices, Modules, Robots
 
 OVER = ("succeeded", "failed", "stopped")
@@ -36,7 +36,7 @@ def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
 def done(api: httpx2.Client, call: Call[Any]) -> Any:
     response = sent(api, call)
     assert response.is_success, response.text
-    return call.result(response)
+    return result_of(call, response)
 
 
 def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:

@@ -10,7 +10,7 @@ from support.serving import Served, serving
 
 from skiros_py.api.documents import DocumentInfo
 from skiros_py.api.tasks import NewTask, TaskInfo, WantedStep
-from skiros_py.client.request import Call
+from skiros_py.client.request import Call, result_of
 from skiros_py.client.topics import Documents, Tasks
 
 TO_PALLET = WantedStep(skill="drive", arguments={"Location": "pallet_a"})
@@ -38,7 +38,7 @@ def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
 def done(api: httpx2.Client, call: Call[Any]) -> Any:
     response = sent(api, call)
     assert response.is_success, response.text
-    return call.result(response)
+    return result_of(call, response)
 
 
 def until(api: httpx2.Client, name: str, *statuses: str) -> TaskInfo:

@@ -36,8 +36,9 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Robot", "Arm"),
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
+        any_of(IN_STORAGE("Object", "Container"), LIES_ON("Object", "Container")),
         any_of(
-            all_of(ROBOT_AT_LOCATION("Robot", "Container"), IN_STORAGE("Object", "Container")),
+            ROBOT_AT_LOCATION("Robot", "Container"),
             all_of(
                 LIES_ON("Object", "Container"),
                 any_of(STANDS_BY("Robot", "Container"), CARRYING("Robot", "Container"), HAS_PART("Robot", "Container")),

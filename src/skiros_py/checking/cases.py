@@ -307,9 +307,13 @@ def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence
     yield "no other skills lead there" if changing else "no other skill can bring it about"
     if not changing:
         return
-    steady = _needing(skill.description, [c for c in skill.description.needs if c not in changing])
-    for agent, given in _beginnings(steady, rig, _MOST_TARGETS // 10):
-        found = _inferred(steady, given, rig, agent)
+    steady = [c for c in skill.description.needs if c not in changing]
+    for agent, given in _beginnings(_needing(skill.description, steady), rig, _MOST_TARGETS // 10):
+        kept, found = steady, _inferred(_needing(skill.description, steady), given, rig, agent)
+        for condition in changing:  # as much of what is needed as holds already
+            nearer = _inferred(_needing(skill.description, [*kept, condition]), given, rig, agent)
+            if not isinstance(nearer, Missing):
+                kept, found = [*kept, condition], nearer
         if isinstance(found, Missing):
             yield str(found)
             continue

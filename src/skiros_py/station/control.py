@@ -184,6 +184,11 @@ class ControlThread:
         return self._session is not None and self._thread.is_alive() and self.fault is None
 
     @property
+    def opening(self) -> bool:
+        """True while a session is being opened or reopened."""
+        return self._session is None and self.fault is None and self._thread.is_alive()
+
+    @property
     def failed(self) -> bool:
         """True if the session was closed after a fault; :meth:`reopen` opens it again."""
         return self.fault is not None and self._session is None and not self._ending

@@ -11,7 +11,6 @@ from typing import Any
 import coal
 import numpy as np
 import pinocchio as pin
-from scipy.spatial import ConvexHull
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
@@ -153,6 +152,8 @@ def _convex_shapes(model: pin.Model, urdf: Path) -> pin.GeometryModel:
 
 def _hull(points: Array) -> coal.Convex:
     """Returns the convex hull of points, of its corners alone: Coal's own keeps points inside, and errs then."""
+    from scipy.spatial import ConvexHull  # half a second of imports that most processes never need
+
     hull = ConvexHull(points)
     corners, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     corners.extend(list(points[hull.vertices]))

@@ -28,6 +28,7 @@ class LiveState:
         self._session: Session | None = None
         self._tick = -1
         self._text = ""
+        self.built = 0
 
     def open(self, session: Session) -> None:
         """Shows this session from now on."""
@@ -54,6 +55,7 @@ class LiveState:
             return ""
         if tick != self._tick or not self._text:
             self._tick, self._text = tick, as_text(self.state(session))
+            self.built += 1
         return self._text
 
 
