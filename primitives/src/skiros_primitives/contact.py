@@ -74,8 +74,17 @@ def believe_obstacle(world: World, author: str, pose: Pose, size: tuple[float, f
     return found
 
 
+_KNOCK = 5.0
+"""Acceleration that no base has by itself [m/s², rad/s²]."""
+_SWINGING = 0.2
+"""Time after such a knock in which its arms feel nothing else [s]."""
+
+
 class WholeMotion:
     """How a robot moves, its base and its arms, from cycle to cycle: each loads the joints of the others.
+
+    Attributes:
+        is_knocked: Whether its base sped up or slowed down in the last cycle as only a collision does it.
 
     Args:
         context: The run.
@@ -88,6 +97,7 @@ class WholeMotion:
         self._arms = robot.of(ArmSpec)
         self.joints = (*(BASE_JOINTS if self._base else ()), *(joint for arm in self._arms for joint in arm.joints))
         self._before = self._speeds()
+        self.is_knocked = False
 
     @property
     def stands(self) -> bool:
@@ -99,6 +109,7 @@ class WholeMotion:
         speeds = self._speeds()
         accelerations, self._before = (speeds - self._before) / self._board.period, speeds
         if self._base is not None:
+            self.is_knocked = bool(np.abs(accelerations[[0, 2]]).max() > _KNOCK)
             accelerations[1] = speeds[0] * speeds[2]  # it drives ahead while it turns
         return JointMotion(self.joints, self._positions(), speeds, accelerations)
 
@@ -147,6 +158,7 @@ class ContactWatch:
         self._motion = WholeMotion(context, context.cell.group_of(arm.id))
         self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
         self.weight = 0.0
+        self._swings = 0.0
         self._at_start: Array | None = None
         if self._motion.stands:
             self._weigh(self._left(self._motion.as_if_even()), self._lever(arm.state))
@@ -175,7 +187,9 @@ class ContactWatch:
         state = self._arm.state
         elapsed, self._asked = self._board.snapshot.time - self._asked, self._board.snapshot.time
         left, lever = self._left(self._motion.since_before()), self._lever(state)
-        if elapsed > 1.5 * self._board.period:  # how the arm came to its present speed was not seen
+        if self._motion.is_knocked:  # the arm swings: that is felt by the base, not by the arm
+            self._swings = self._asked + _SWINGING
+        if elapsed > 1.5 * self._board.period or self._asked < self._swings:  # how it came to its speed was not seen
             return None
         if self._at_start is None:
             self._weigh(left, lever)

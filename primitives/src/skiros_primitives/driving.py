@@ -173,13 +173,14 @@ class DrivingPrimitive(Primitive[Any]):
                 base.command(target)
             yield
             pushes, strange = bumper.felt(), self._in_the_way(lookout)
-            if strange is not None or self._has_to_stop(place, arms):
-                yield from self.stand(base)
-                self.seen = [] if strange is None else believe_seen(self.world, self.name, strange)
-                return driven
-            if pushes:
+            has_to_stop = self._has_to_stop(place, arms)
+            if pushes and not (arms is not None and arms.touched):
                 ahead = getattr(target, "linear", 1.0)
                 self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
+                return driven
+            if strange is not None or has_to_stop:
+                yield from self.stand(base)
+                self.seen = [] if strange is None else believe_seen(self.world, self.name, strange)
                 return driven
         yield from self.stand(base)
         return None
@@ -338,7 +339,7 @@ class DriveBase(DrivingPrimitive):
         lookout = arms.lookout = Lookout(self.context, self._robot, self._shape, self.pose, path, known, self._met)
         place = PlaceInSight.of(self.context, self._robot, base, self.params.location, goal)
         stuck = yield from self.drive(base, path, way, lookout=lookout, place=place, arms=arms)
-        if stuck is not None and arms.touched:
+        if stuck is not None and arms.touched and not self.bumped:
             yield from arms.settled()
             return arms.met or Failure(Message("an arm met something at {location}", location=self.params.location))
         if self.bumped:
