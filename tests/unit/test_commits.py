@@ -348,7 +348,7 @@ def test_a_kill_in_the_first_start_does_not_keep_the_next_one_from_starting(
 @pytest.mark.parametrize("cut", [None, 0.1, 0.5, 0.9], ids=["no checkpoint", "begun", "half", "nearly done"])
 def test_a_kill_after_unused_space_was_freed_is_no_loss(tmp_path: Path, cut: float | None) -> None:
     schema = Schema(
-        "list", "a list for tests", 0x74657374, ("CREATE TABLE other (x); CREATE TABLE things (name TEXT);", COUNTED)
+        "a list for tests", 0x74657374, ("CREATE TABLE other (x); CREATE TABLE things (name TEXT);", COUNTED)
     )
     path, killed = tmp_path / "things.db", tmp_path / "killed"
     with closing(Database(path, schema, durable=True)) as database:

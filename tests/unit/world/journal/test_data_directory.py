@@ -405,7 +405,7 @@ def test_a_failed_opening_leaves_nothing_locked(folder: Path) -> None:
     folder.mkdir()
     (folder / "journal.db").write_text("no journal", encoding="utf-8")
     for _ in range(2):
-        with pytest.raises(FileError, match="no journal"):
+        with pytest.raises(FileError, match="not the journal"):
             DataDirectory.open(folder, tiny_ontology())
 
 
