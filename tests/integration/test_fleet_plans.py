@@ -55,11 +55,8 @@ def test_more_robots_never_take_longer_and_stay_near_the_bound() -> None:
 
 
 def test_robots_that_would_be_in_the_way_of_others_are_left_out() -> None:
-    # Dispatching all eight robots to twelve parts takes longer (230 s) than leaving half of them where they are.
-    all_of_them, some = (measure(12, robots, seed=0, tries=0, outside=False) for robots in (8, 4))
-
-    assert all_of_them.makespan < 230.0
-    assert all_of_them.makespan <= some.makespan
+    # Dispatching all eight robots to twelve parts takes 1.36 times the bound: they wait for each other.
+    assert measure(12, 8, seed=0, tries=0, outside=False).ratio <= 1.3
 
 
 def test_further_tries_give_no_longer_plan_and_the_same_one_every_time() -> None:

@@ -45,7 +45,7 @@ DESCRIPTION = SkillDescription(
         FITS_IN("Object", "Compartment"),
     ),
     post=(OBJECT_AT_LOCATION("Object", "Compartment"), EMPTY_HANDED("Gripper")),
-    duration=5.0,
+    duration=7.5,
 )
 
 PLACE = Skill(
