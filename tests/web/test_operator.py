@@ -29,7 +29,7 @@ SMALL = {"viewport": {"width": 1280, "height": 800}}
 
 
 @pytest.mark.physics
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(600)
 def test_an_operator_gets_a_kit_filled_despite_faults(station, visit, expect):
     served = station("kitting_stock", physics=True, pace=5.0)
     anna = Person(visit(served.url, **SMALL), served.url, expect)
