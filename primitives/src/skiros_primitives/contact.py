@@ -26,7 +26,7 @@ from skiros_py.world.world import World
 TOLERANCE = 4.0
 """Residual that still counts as friction and noise [N m]."""
 GENTLE = 1.5
-"""Likewise in slow motions near to what is meant to be touched [N m]."""
+"""The same in slow motions that end where the arm is to touch something [N m]."""
 _TRACE = 1.0
 """Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
 _WRIST = 3
