@@ -58,14 +58,18 @@ class Robot:
     def jacobian(self, _link: str, _positions: Any, joints: Any) -> Array:
         return np.zeros((6, len(joints)))
 
-    def felt(self, *, pushed: float = 0.0) -> bool:
-        """Moves the arm for half a second while the base brakes, from the second half on against something."""
+    def felt(self, *, pushed: float = 0.0, knocked: bool = False, cycles: int = 50) -> bool:
+        """Moves the arm for half a second while the base brakes, from the second half on against something.
+
+        Where the base is knocked, it stops dead then.
+        """
         watch, felt = ContactWatch(self, self), False  # type: ignore[arg-type]
         for cycle in range(100):
             self.time += PERIOD
-            self.speed -= self.braking * PERIOD
+            braking = 0.0 if knocked and cycle >= 50 else self.braking
+            self.speed = self.speed - braking * PERIOD if braking or not knocked else 0.0
             self.moving += 1.5 * PERIOD
-            self.exerted = -LEVER * self.braking + INERTIA * 1.5 + (pushed if cycle >= 50 else 0.0)
+            self.exerted = -LEVER * braking + INERTIA * 1.5 + (pushed if 50 <= cycle < 50 + cycles else 0.0)
             felt = watch.felt() is not None or felt
         return felt
 
@@ -88,3 +92,8 @@ def test_a_base_that_brakes_is_no_contact_of_its_arm() -> None:
 def test_what_an_arm_meets_is_felt_while_its_base_brakes() -> None:
     assert Robot(0.0).felt(pushed=6.0)
     assert Robot(0.5).felt(pushed=6.0)
+
+
+def test_an_arm_that_swings_as_its_base_is_knocked_has_met_nothing() -> None:
+    assert not Robot(0.5).felt(pushed=6.0, knocked=True, cycles=30)
+    assert Robot(0.5).felt(pushed=6.0, knocked=True, cycles=50), "what presses on afterwards is felt"
