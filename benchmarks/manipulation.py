@@ -3,8 +3,9 @@
     uv run --group test python benchmarks/manipulation.py --campaign standing --seeds 4 --half odd
 
 Every figure is taken from the simulator: poses of bodies, contacts and their forces. Each miss is listed with the
-reason that the robot gave and what the truth shows; with ``--pictures`` there are pictures of each miss, and a sheet of
-all scenes. ``--write`` writes the scenes instead, each in a folder of its own, to be run by ``skiros run``.
+reason that the robot gave and what the truth shows. With ``--pictures`` there are pictures of each miss, and a sheet of
+all scenes; with ``--film`` an animation of the first. ``--simulation`` names an engine, and twice compares two.
+``--write`` writes the scenes instead, each in a folder of its own, to be run by ``skiros run``.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -28,6 +30,7 @@ from skiros_py.config import ONTOLOGIES
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
 from skiros_py.ports.cell import BodySpec
 from skiros_py.recording.pictures import contact_sheet
+from skiros_py.system import default_simulation
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import map_pose
 
@@ -379,6 +382,8 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--half", choices=("odd", "even", "both"), default="both", help="seeds that are taken")
     parser.add_argument("--pictures", type=Path, help="folder for pictures of the misses, and for the contact sheet")
+    parser.add_argument("--film", action="store_true", help="an animation of the first scene, too, among the pictures")
+    parser.add_argument("--simulation", action="append", help="engine that simulates; twice for two engines")
     parser.add_argument("--write", type=Path, help="folder for the scenes: they are written, and not run")
     arguments = parser.parse_args()
     campaign = CAMPAIGNS[arguments.campaign]
@@ -388,8 +393,15 @@ def main() -> int:
             folder = arguments.write / scene.name
             print(f"{ONTOLOGIES}={folder / 'parts'} skiros run {scene.write(folder)}")
         return 0
-    trials = list(_run(campaign, drawn, arguments.pictures))
-    return finish(f"{campaign.name}, {len(trials)} scenes", campaign.figures(trials))
+    if arguments.film and arguments.pictures is None:
+        parser.error("--film needs --pictures, the folder for it")
+    figures: list[Figure] = []
+    engines = arguments.simulation or [default_simulation()]
+    for engine in engines:
+        trials = list(_run(campaign, drawn, engine, arguments.pictures, film=arguments.film))
+        which = f"{engine}: " if len(engines) > 1 else ""
+        figures += [replace(figure, what=which + figure.what) for figure in campaign.figures(trials)]
+    return finish(f"{campaign.name}, {len(drawn)} scenes", figures)
 
 
 def _seeds(arguments: Namespace) -> list[int]:
@@ -398,19 +410,22 @@ def _seeds(arguments: Namespace) -> list[int]:
     return [next(wanted) for _ in range(arguments.seeds)]
 
 
-def _run(campaign: Campaign, drawn: Sequence[Scene], pictures: Path | None) -> Iterator[Trial]:
+def _run(
+    campaign: Campaign, drawn: Sequence[Scene], engine: str, pictures: Path | None, *, film: bool
+) -> Iterator[Trial]:
     """Runs scenes one after the other, says how each went, and writes their pictures."""
     sheet: list[Image] = []
+    if pictures is not None:
+        pictures.mkdir(parents=True, exist_ok=True)
     for scene in drawn:
+        to = pictures / f"{campaign.name}.gif" if pictures is not None and film and scene is drawn[0] else None
         with tempfile.TemporaryDirectory(prefix="skiros-campaign-") as folder:
-            trial = campaign.trial(scene, Path(folder), pictures=pictures is not None)
-        print(
-            f"{scene.name} ({scene.kind}): {'as wanted' if not trial.misses else 'MISS'}", file=sys.stderr, flush=True
-        )
+            trial = campaign.trial(scene, Path(folder), pictures=pictures is not None, simulation=engine, film=to)
+        verdict = "MISS" if trial.misses else "as wanted"
+        print(f"{scene.name} ({scene.kind}, {engine}): {verdict}", file=sys.stderr, flush=True)
         for miss in trial.misses:
             print(f"  {miss}", flush=True)
         if pictures is not None:
-            pictures.mkdir(parents=True, exist_ok=True)
             if trial.misses:
                 contact_sheet(trial.pictures).save(pictures / f"{scene.name}.png")
             sheet += trial.pictures[-1:]

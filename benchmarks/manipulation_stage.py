@@ -20,9 +20,10 @@ from skiros_py.config import ONTOLOGIES
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import Pending
-from skiros_py.recording.pictures import HEIGHT, WIDTH, captioned, over_the_shoulder
+from skiros_py.recording.pictures import HEIGHT, WIDTH, RunPictures, captioned, over_the_shoulder
 from skiros_py.simulation.truth import RobotContact, Truth
 from skiros_py.station.session import Options, Session
+from skiros_py.system import default_simulation
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ class Stage(AbstractContextManager["Stage"]):
         scene: The scene.
         folder: Where its files are written.
         pictures: True to take pictures.
+        simulation: The engine that simulates; empty for the default one.
+        film: The file for an animation of the run; none by default.
 
     Attributes:
         session: The open cell.
@@ -89,11 +92,13 @@ class Stage(AbstractContextManager["Stage"]):
         shots: Pictures with their captions.
     """
 
-    def __init__(self, scene: Scene, folder: Path, *, pictures: bool = False) -> None:
+    def __init__(
+        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", film: Path | None = None
+    ) -> None:
         self.scene = scene
         path = scene.write(folder)
         os.environ[ONTOLOGIES] = str(folder / "parts")
-        self.session = Session(str(path), Options(seed=scene.seed))
+        self.session = Session(str(path), Options(seed=scene.seed, simulation=simulation or default_simulation()))
         self.truth = Truth(self.session.simulation)
         self.start = dict(self.truth.poses())
         self.forces = Forces()
@@ -105,6 +110,7 @@ class Stage(AbstractContextManager["Stage"]):
         self._cycles = count()
         self.session.cycle.observe(self._on_cycle)
         self.session.monitor.subscribe(self._on_event)
+        self._film = RunPictures(self.session.runtime, lambda *_: self._picture(), film) if film is not None else None
 
     def pursue(self, goals: Sequence[str]) -> GoalReport:
         """Lets the robot pursue a goal, and keeps what it reports."""
@@ -146,9 +152,11 @@ class Stage(AbstractContextManager["Stage"]):
     def shoot(self, caption: str) -> None:
         """Takes a picture over the shoulder of the robot, if pictures are wanted."""
         if self._pictures:
-            view = over_the_shoulder(self.truth.base_pose("base_1"))
-            picture = self.session.simulation.picture(*view, width=WIDTH, height=HEIGHT)
-            self.shots.append((caption, picture))
+            self.shots.append((caption, self._picture()))
+
+    def _picture(self) -> Pending[Any]:
+        view = over_the_shoulder(self.truth.base_pose("base_1"))
+        return self.session.simulation.picture(*view, width=WIDTH, height=HEIGHT)
 
     def fixed(self) -> list[str]:
         """Returns the bodies that never move."""
@@ -166,6 +174,8 @@ class Stage(AbstractContextManager["Stage"]):
         return self.truth.pose(body).distance(self.start[body])
 
     def __exit__(self, *_: object) -> None:
+        if self._film is not None:
+            self._film.write()
         self.session.close()
 
     def _on_cycle(self) -> None:
@@ -264,9 +274,11 @@ class Campaign(ABC):
     def figures(self, trials: Sequence[Trial]) -> list[Figure]:
         """Returns the figures of all scenes."""
 
-    def trial(self, scene: Scene, folder: Path, *, pictures: bool = False) -> Trial:
-        """Runs one scene, and judges it."""
-        with Stage(scene, folder, pictures=pictures) as stage:
+    def trial(
+        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", film: Path | None = None
+    ) -> Trial:
+        """Runs one scene, and judges it; the arguments are those of :class:`Stage`."""
+        with Stage(scene, folder, pictures=pictures, simulation=simulation, film=film) as stage:
             stage.shoot("start")
             facts = self.run(stage)
             hits = {body: hit for body in self.must_not_touch(stage) if (hit := stage.forces.hit(body)).transient > 0.0}
