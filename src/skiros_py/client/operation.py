@@ -96,8 +96,8 @@ def operation(
     """Declares an operation by a method without a body: its parameters are sent, its result is parsed.
 
     Parameters in braces are part of the path, ``version`` and ``seen`` the header ``If-Match`` (without a version: any,
-    and no header). Of GET, DELETE, and after a question mark, the others are the query; else they are the body: a model
-    as it is, plain values as an object. None is left out.
+    and no header), ``language`` the header ``Accept-Language``. Of GET, DELETE, and after a question mark, the others are
+    the query; else they are the body: a model as it is, plain values as an object. None is left out.
 
     Args:
         request: Method and path, as ``POST /simulation/reset?force``.
@@ -118,6 +118,8 @@ def operation(
                 headers["If-Match"] = tag(given.pop("version")) or "*"
             if "seen" in given:
                 headers["If-Match"] = tag(given.pop("seen"))
+            if "language" in given:
+                headers["Accept-Language"] = given.pop("language")
             values = {renamed.get(name, name.rstrip("_")): value for name, value in given.items()}
             as_query = list(values) if verb in ("GET", "DELETE") else asked.split(",")
             query = {name: to_jsonable_python(values.pop(name)) for name in as_query if name in values}

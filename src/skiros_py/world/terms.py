@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from graphlib import CycleError, TopologicalSorter
 from types import MappingProxyType
-from typing import Literal, TypeVar
+from typing import Literal, Self, TypeVar
 
 
 class Kind(StrEnum):
@@ -99,13 +99,41 @@ class Filler:
 
 
 @dataclass(frozen=True, slots=True)
-class Class:
-    """One class.
+class Term:
+    """One class, relation or property.
 
     Attributes:
         curie: Its name ("kitting:Starter").
-        label: Its display name.
+        label: Its display name, in English if it has one in English.
         comment: What it means.
+        labels, comments: The same in the other languages that it has, by language tag in lower case ("de").
+    """
+
+    curie: str
+    label: str
+    comment: str
+    labels: Mapping[str, str] = field(default_factory=dict, kw_only=True, hash=False)
+    comments: Mapping[str, str] = field(default_factory=dict, kw_only=True, hash=False)
+
+    def in_language(self, language: str) -> Self:
+        """Returns the term with label and comment in a language; what it lacks there stays as it is.
+
+        Args:
+            language: Language tag; of a regional one ("de-CH"), the language itself ("de") is the next best.
+        """
+        tags = (language.lower(), language.lower().partition("-")[0])
+        label, comment = (
+            next((texts[tag] for tag in tags if tag in texts), default)
+            for texts, default in ((self.labels, self.label), (self.comments, self.comment))
+        )
+        return replace(self, label=label, comment=comment)
+
+
+@dataclass(frozen=True, slots=True)
+class Class(Term):
+    """One class.
+
+    Attributes:
         parents: Its direct superclasses, the primary one first.
         equivalents: Other classes of the same individuals, sorted.
         cardinalities: What it says itself of numbers; see :meth:`~skiros_py.world.ontology.Ontology.cardinalities`.
@@ -113,9 +141,6 @@ class Class:
             :meth:`~skiros_py.world.ontology.Ontology.fillers`.
     """
 
-    curie: str
-    label: str
-    comment: str
     parents: tuple[str, ...]
     equivalents: tuple[str, ...] = ()
     cardinalities: tuple[Cardinality, ...] = ()
@@ -128,13 +153,10 @@ class Class:
 
 
 @dataclass(frozen=True, slots=True)
-class Relation:
+class Relation(Term):
     """One relation between elements.
 
     Attributes:
-        curie: Its name ("sk:heldBy").
-        label: Its display name.
-        comment: What it means.
         parents: Its direct super-relations, sorted.
         domains, ranges: The classes required of subject and object.
         family: Its purpose.
@@ -145,9 +167,6 @@ class Relation:
         symmetric, transitive: As OWL means them; computed by reasoners only.
     """
 
-    curie: str
-    label: str
-    comment: str
     parents: tuple[str, ...]
     domains: End
     ranges: End
@@ -171,21 +190,15 @@ class Relation:
 
 
 @dataclass(frozen=True, slots=True)
-class Property:
+class Property(Term):
     """One property of elements.
 
     Attributes:
-        curie: Its name ("sk:mass").
-        label: Its display name.
-        comment: What it means.
         domains: The classes that may have it.
         range: CURIE of its data type, one of :data:`~skiros_py.world.literals.DATATYPES`.
         unit: Unit of its values (``sk:unit``), such as "kg"; empty if it has none.
     """
 
-    curie: str
-    label: str
-    comment: str
     domains: End
     range: str
     unit: str = ""

@@ -203,27 +203,38 @@ class Elements(Topic[C]):
 
 
 class Ontology(Topic[C]):
-    """The classes, relations and properties of the world."""
+    """The classes, relations and properties of the world.
+
+    ``language`` is that of labels and comments: tags as in ``Accept-Language`` ("de", "fr, de;q=0.5"). Terms without it
+    are answered in English.
+    """
 
     @operation("GET /ontology/classes")
-    def classes(self, root: str | None = None, *, depth: int | None = None) -> ontology.ClassNode:
+    def classes(
+        self, root: str | None = None, *, depth: int | None = None, language: str | None = None
+    ) -> ontology.ClassNode:
         """Returns the tree of classes.
 
         Args:
             root: The root class.
             depth: How many levels below it.
+            language: Languages of labels and comments, best first.
         """
 
     @operation("GET /ontology/classes/{name}")
-    def get(self, name: str) -> ontology.ClassDetails:
+    def get(self, name: str, *, language: str | None = None) -> ontology.ClassDetails:
         """Returns a class."""
 
     @operation("GET /ontology/relations")
-    def relations(self, *, limit: int | None = None, cursor: str | None = None) -> ontology.RelationInfoPage:
+    def relations(
+        self, *, limit: int | None = None, cursor: str | None = None, language: str | None = None
+    ) -> ontology.RelationInfoPage:
         """Lists the relations by name."""
 
     @operation("GET /ontology/properties")
-    def properties(self, *, limit: int | None = None, cursor: str | None = None) -> ontology.PropertyPage:
+    def properties(
+        self, *, limit: int | None = None, cursor: str | None = None, language: str | None = None
+    ) -> ontology.PropertyPage:
         """Lists the properties by name."""
 
     @operation("GET /ontology/placements")
@@ -235,6 +246,7 @@ class Ontology(Topic[C]):
         relation: str | None = None,
         limit: int | None = None,
         cursor: str | None = None,
+        language: str | None = None,
     ) -> ontology.PlacementOptions:
         """Returns where something may be placed.
 
@@ -244,6 +256,7 @@ class Ontology(Topic[C]):
             relation: Only this placement relation.
             limit: Maximum number of places per relation.
             cursor: ``next`` of an earlier option, together with its relation.
+            language: Languages of the labels, best first.
         """
 
 

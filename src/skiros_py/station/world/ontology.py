@@ -125,18 +125,26 @@ class Queries:
 
 
 class OntologyService(Service):
-    """Describes the ontology, and answers queries over all knowledge."""
+    """Describes the ontology, and answers queries over all knowledge.
 
-    def classes(self, root: str = ELEMENT, depth: int = 50) -> ClassNode:
+    Labels and comments are in the language of a given tag, as far as the ontology has them, else in English.
+    """
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """Tags of the languages in which the ontology has labels or comments, English first."""
+        return self._world.ontology.languages
+
+    def classes(self, root: str = ELEMENT, depth: int = 50, *, language: str = "en") -> ClassNode:
         """Returns the classes as a tree; a class with several parents is below its primary one.
 
         Raises:
             NotFound: There is no such class.
         """
         with addressed():
-            return class_tree(self._world.snapshot(), root, depth)
+            return class_tree(self._world.snapshot(), root, depth, language)
 
-    def class_(self, name: str) -> ClassDetails:
+    def class_(self, name: str, *, language: str = "en") -> ClassDetails:
         """Describes a class: properties of its elements, their number, and the arguments that accept them.
 
         Raises:
@@ -144,19 +152,21 @@ class OntologyService(Service):
         """
         session = self._station.session
         with addressed():
-            return class_details(session.world.snapshot(), name, session.catalogue)
+            return class_details(session.world.snapshot(), name, session.catalogue, language)
 
-    def relations(self, limit: int = 1000, after: str = "") -> RelationInfoPage:
+    def relations(self, limit: int = 1000, after: str = "", *, language: str = "en") -> RelationInfoPage:
         """Lists relations by name, with the classes at their ends."""
         view = self._world.snapshot()
         names, more = _page(view.ontology.relations, limit, after)
-        return RelationInfoPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
+        relations = (view.ontology.relations[name].in_language(language) for name in names)
+        return RelationInfoPage(items=[relation_info(view, one) for one in relations], next=more)
 
-    def properties(self, limit: int = 1000, after: str = "") -> PropertyPage:
+    def properties(self, limit: int = 1000, after: str = "", *, language: str = "en") -> PropertyPage:
         """Lists properties by name, with data type and unit."""
         ontology = self._world.ontology
         names, more = _page(ontology.properties, limit, after)
-        return PropertyPage(items=[property_info(ontology.properties[name]) for name in names], next=more)
+        properties = (ontology.properties[name].in_language(language) for name in names)
+        return PropertyPage(items=[property_info(one) for one in properties], next=more)
 
     def placements(
         self,
@@ -165,6 +175,8 @@ class OntologyService(Service):
         relation: str | None = None,
         limit: int = 50,
         after: str | None = None,
+        *,
+        language: str = "en",
     ) -> PlacementOptions:
         """Returns the possible placement relations of an element, and whether each place would accept it now.
 
@@ -174,6 +186,7 @@ class OntologyService(Service):
             relation: Only this relation.
             limit: Maximum number of places for each relation.
             after: Only places after this one; requires a relation.
+            language: Of the labels of the relations.
 
         Raises:
             UsageError: Neither or both of class and element are given.
@@ -187,7 +200,7 @@ class OntologyService(Service):
         assert what is not None
         view.ontology.ancestors(what)
         skills = self._station.session.tasks.skills.values()
-        return placement_options(view, what, element, limit, relation, after or "", skills)
+        return placement_options(view, what, element, limit, relation, after or "", skills, language)
 
     def query(self, question: Query) -> Answer:
         """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.
@@ -221,14 +234,14 @@ _MOST_SHOWN = 100
 # ------------------------------------------------------------------ classes
 
 
-def class_tree(view: Index, root: str, depth: int) -> api.ClassNode:
+def class_tree(view: Index, root: str, depth: int, language: str) -> api.ClassNode:
     """Returns a class with its subclasses, each below its primary parent.
 
     Raises:
         UnknownName: It is not a class.
     """
     view.ontology.ancestors(root)
-    return _node(view, root, _primary_children(view.ontology), depth)
+    return _node(view, root, _primary_children(view.ontology), depth, language)
 
 
 def _primary_children(ontology: Ontology) -> Mapping[str, list[str]]:
@@ -239,18 +252,18 @@ def _primary_children(ontology: Ontology) -> Mapping[str, list[str]]:
     return children
 
 
-def _node(view: Index, name: str, children: Mapping[str, list[str]], depth: int) -> api.ClassNode:
+def _node(view: Index, name: str, children: Mapping[str, list[str]], depth: int, language: str) -> api.ClassNode:
     class_, below = view.ontology.classes[name], children.get(name, [])
     return api.ClassNode.view_of(
-        class_,
+        class_.in_language(language),
         name=name,
         instances=view.count(name),
-        children=[_node(view, child, children, depth - 1) for child in below] if depth else [],
+        children=[_node(view, child, children, depth - 1, language) for child in below] if depth else [],
         children_total=len(below),
     )
 
 
-def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDetails:
+def class_details(view: Index, name: str, catalogue: Catalogue, language: str) -> api.ClassDetails:
     """Describes a class.
 
     Raises:
@@ -260,12 +273,14 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
     ancestors = ontology.ancestors(name)
     properties = [one for _, one in sorted(ontology.properties.items()) if not ontology.missed_end(name, one.domains)]
     return api.ClassDetails.view_of(
-        ontology.classes[name],
+        ontology.classes[name].in_language(language),
         name=name,
         ancestors=list(ancestors),
         subclasses=list(ontology.subclasses(name)),
         properties=[
-            api.ClassProperty.view_of(property_info(one), value=plain(class_value(view, name, one.curie)))
+            api.ClassProperty.view_of(
+                property_info(one.in_language(language)), value=plain(class_value(view, name, one.curie))
+            )
             for one in properties
         ],
         relations_from=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.domains)],

@@ -33,6 +33,7 @@ def placement_options(
     relation: str | None = None,
     after: str = "",
     skills: Iterable[SkillDescription] = (),
+    language: str = "en",
 ) -> PlacementOptions:
     """Returns the possible places of an element, and for each whether it would accept the element now.
 
@@ -44,6 +45,7 @@ def placement_options(
         relation: Only this relation.
         after: Only places after this id.
         skills: Skills of the present robots.
+        language: Language tag of the labels.
 
     Raises:
         UnknownName: There is no such relation.
@@ -62,7 +64,7 @@ def placement_options(
         options.append(
             PlacementOption(
                 relation=one.curie,
-                label=one.label,
+                label=one.in_language(language).label,
                 accepted=one.curie in accepted,
                 places=[_place(view, name, _why_not(view, class_, element, one.curie, name)) for name in shown],
                 total=len(found),

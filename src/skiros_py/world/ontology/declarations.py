@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import pyoxigraph as ox
 
@@ -120,7 +121,10 @@ _FAMILIES = {
     "sk:structure": Family.STRUCTURE,
     "sk:computed": Family.COMPUTED,
 }
-_COMMENT = Property("rdfs:comment", "comment", "What people note about it.", (), "xsd:string")
+_COMMENT = Property(
+    "rdfs:comment", "comment", "What people note about it.", (), "xsd:string",
+    labels={"de": "Kommentar"}, comments={"de": "Notiz für Menschen."},
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,9 +204,7 @@ class _Reader:
         except ValueError as error:
             raise self._fault(term, f"in a restriction of {term}: {error}", "rdfs:subClassOf") from None
         return Class(
-            curie=term,
-            label=self._label(term),
-            comment=self._comment(term),
+            **self._texts(term),
             parents=tuple(primary[:1] + [parent for parent in parents if parent not in primary[:1]]),
             equivalents=tuple(sorted(self._equivalents.get(term, ()))),
             cardinalities=tuple(sorted(numbers, key=repr)),
@@ -249,9 +251,7 @@ class _Reader:
         family = next((_FAMILIES[name] for name in closure(above, term) if name in _FAMILIES), Family.PLAIN)
         types = set(self._statements.named(term, "rdf:type"))
         return Relation(
-            curie=term,
-            label=self._label(term),
-            comment=self._comment(term),
+            **self._texts(term),
             parents=above[term],
             domains=self._end(term, "rdfs:domain"),
             ranges=self._end(term, "rdfs:range"),
@@ -270,7 +270,7 @@ class _Reader:
         # Several ranges must all be met: too rare to check more than that it is a literal.
         range_ = ranges.pop() if len(ranges) == 1 else ANY_LITERAL
         unit = self._statements.text(term, "sk:unit")
-        return Property(term, self._label(term), self._comment(term), self._end(term, "rdfs:domain"), range_, unit)
+        return Property(**self._texts(term), domains=self._end(term, "rdfs:domain"), range=range_, unit=unit)
 
     def _data_range(self, term: str, node: Node) -> str:
         """The data type of values; one that a file defines itself stands for any literal."""
@@ -350,8 +350,12 @@ class _Reader:
         if deep is not None:
             raise self._fault(deep, f"{deep} has more than {MOST_ABOVE} terms above it by {predicate}", predicate)
 
-    def _label(self, term: str) -> str:
-        return self._statements.text(term, "rdfs:label") or local_name(term)
-
-    def _comment(self, term: str) -> str:
-        return self._statements.text(term, "rdfs:comment")
+    def _texts(self, term: str) -> dict[str, Any]:
+        """What each kind of term has: its name, and label and comment in all languages."""
+        return {
+            "curie": term,
+            "label": self._statements.text(term, "rdfs:label") or local_name(term),
+            "comment": self._statements.text(term, "rdfs:comment"),
+            "labels": self._statements.translations(term, "rdfs:label"),
+            "comments": self._statements.translations(term, "rdfs:comment"),
+        }

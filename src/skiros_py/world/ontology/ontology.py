@@ -29,6 +29,7 @@ class Ontology:
         relations: Every relation between elements.
         properties: Every property of elements; ``rdfs:comment`` is always among them.
         individuals: CURIEs of the individuals that its files describe, sorted; a scene's are not among them.
+        languages: Language tags of the labels and comments of its terms, sorted after English, which any may lack.
         names: The prefix table.
         sources: The files it was read from. Scene individuals in them belong to scenes that import the file.
     """
@@ -37,6 +38,8 @@ class Ontology:
         self.classes: Mapping[str, Class] = MappingProxyType(dict(declarations.classes))
         self.relations: Mapping[str, Relation] = MappingProxyType(dict(declarations.relations))
         self.properties: Mapping[str, Property] = MappingProxyType(dict(declarations.properties))
+        terms = (*self.classes.values(), *self.relations.values(), *self.properties.values())
+        self.languages = ("en", *sorted({tag for term in terms for tag in (*term.labels, *term.comments)}))
         self.names = names
         self.sources = tuple(sources)
         self.individuals = declarations.individuals

@@ -147,8 +147,16 @@ class Statements:
 
     def text(self, subject: str, predicate: str) -> str:
         """Returns the text of a predicate: of several languages English, else the first in order; or ""."""
-        literals = [node for node in self.objects(subject, predicate) if isinstance(node, ox.Literal)]
+        literals = self._literals(subject, predicate)
         return english(literals).value if literals else ""
+
+    def translations(self, subject: str, predicate: str) -> dict[str, str]:
+        """Returns the texts of a predicate in languages other than English, by language tag in lower case."""
+        literals = sorted(self._literals(subject, predicate), key=lambda literal: literal.value, reverse=True)
+        return {literal.language: literal.value for literal in literals if literal.language not in (None, "en")}
+
+    def _literals(self, subject: str, predicate: str) -> list[ox.Literal]:
+        return [node for node in self.objects(subject, predicate) if isinstance(node, ox.Literal)]
 
     def kinds(self, term: str) -> list[Kind]:
         """Returns all that a name is declared as."""
@@ -195,15 +203,21 @@ class Statements:
         return self.names.iri(name) if not colon or prefix in self.names.prefixes else name
 
     def _file(self, subject: str, *terms: str) -> Document:
-        """The first file with a statement about the subject that contains the names, else any about the subject."""
+        """The file with a statement about the subject that contains the names, else the one that says what it is."""
         about = [statement for statement in self.all if statement.subject == subject]
+        about.sort(key=lambda statement: statement.predicate != "rdf:type")  # other files may only translate it
         exact = [s for s in about if {s.predicate, s.object}.issuperset(terms)]
         return next((statement.document for statement in (*exact, *about)), self.documents[0])
 
 
 def english(literals: Sequence[ox.Literal]) -> ox.Literal:
-    """Returns the literal without language or in English, else the first in order."""
-    return min(literals, key=lambda literal: (literal.language not in (None, "en"), literal.value))
+    """Returns the literal without language or in English, else one in a variety of English, else the first in order."""
+
+    def rank(literal: ox.Literal) -> tuple[bool, bool, str]:
+        language = literal.language or "en"
+        return language != "en", not language.startswith("en-"), literal.value
+
+    return min(literals, key=rank)
 
 
 def vocabulary(name: str) -> str:
