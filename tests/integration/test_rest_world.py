@@ -634,6 +634,49 @@ def test_the_offered_placements_mark_places_that_are_too_small(api: httpx2.Clien
     assert problem(api.get("/ontology/placements?element=nobody"), 422)
 
 
+@pytest.mark.parametrize(
+    ("accepted", "language", "label"),
+    [
+        ("", "en", "starter"),
+        ("en", "en", "starter"),
+        ("de", "de", "Anlasser"),
+        ("de-AT", "de", "Anlasser"),
+        ("fr;q=0.9, de;q=0.8", "de", "Anlasser"),
+        ("de;q=0.1, en-GB;q=0.7", "en", "starter"),
+        ("fr", "en", "starter"),
+        ("*", "en", "starter"),
+        ("de;q=0, *;q=0.1", "en", "starter"),
+        ("de;q=much,,;=\x00\xff*", "en", "starter"),
+    ],
+)
+def test_terms_are_answered_in_the_best_accepted_language_that_the_ontology_has(
+    api: httpx2.Client, accepted: str, language: str, label: str
+) -> None:
+    headers = {b"Accept-Language": accepted.replace("\0", "").encode("latin-1")}
+    response = api.get("/ontology/classes/kitting:Starter", headers=headers)
+
+    assert (response.json()["label"], response.headers["Content-Language"]) == (label, language)
+    assert response.headers["Vary"] == "Accept-Language"
+
+
+def test_every_route_with_terms_answers_in_the_language_of_the_request(api: httpx2.Client, served: Served) -> None:
+    with Client(served.url) as client:
+        ontology = client.ontology
+        (held,) = (one for one in ontology.relations(language="de").items if one.name == "sk:heldBy")
+        (pose,) = (one for one in ontology.properties(language="de").items if one.name == "sk:pose")
+        kit = ontology.get("kitting:Kit", language="de")
+        (place,) = ontology.placements(element="starter_1", relation="sk:in", language="de").options
+        tree = ontology.classes("kitting:Part", language="de")
+
+        assert (tree.label, tree.children[0].label) == ("Teil", "Lichtmaschine")
+        assert (kit.label, kit.comment[:17]) == ("Kit", "Ein festes Tablet")
+        assert next(one.label for one in kit.properties if one.name == "sk:mass") == "Masse"
+        assert (held.label, held.comment) == ("gehalten von", "Der Greifer hält das Ding.")
+        assert (pose.label, place.label) == ("Lage", "in")
+        assert ontology.get("kitting:Starter").label == "starter"
+        assert next(one.label for one in ontology.properties(language="tlh").items if one.name == "sk:pose") == "pose"
+
+
 # ------------------------------------------------------------------ whatever is sent
 
 

@@ -12,7 +12,7 @@ from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.api.world import ElementPatch
 from skiros_py.client.operation import Operation
 from skiros_py.client.request import Call, arguments_of
-from skiros_py.client.topics import Devices, Elements, Goals, Jobs, Modules, Scenes, Signals, Simulation, Topics
+from skiros_py.client.topics import Devices, Elements, Goals, Jobs, Modules, Ontology, Scenes, Signals, Simulation, Topics
 
 
 class Blocking:
@@ -96,6 +96,14 @@ def test_checking_an_order_sends_only_its_goal() -> None:
 )
 def test_versions_are_sent_as_if_match(call: Call[Any], header: str | None) -> None:
     assert call.headers.get("If-Match") == header
+
+
+def test_the_language_of_an_answer_is_sent_as_accept_language() -> None:
+    call = Ontology.relations(limit=3, language="de, en;q=0.5")
+
+    assert arguments_of(call)["headers"] == {"Accept-Language": "de, en;q=0.5"}
+    assert arguments_of(call)["params"] == {"limit": 3}
+    assert arguments_of(Ontology.relations())["headers"] == {}
 
 
 def test_operations_that_are_not_idempotent_are_not_repeated() -> None:

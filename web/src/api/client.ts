@@ -1,6 +1,7 @@
 /** The REST API, typed from its OpenAPI description; the only module that uses HTTP. */
 
 import createClient from "openapi-fetch";
+import i18n from "../i18n";
 import { learn } from "../i18n/sentences";
 import type { components, paths } from "./schema";
 
@@ -15,6 +16,7 @@ export const api = createClient<paths>({
   // Looked up at each request, so that tests can replace it.
   fetch: (request) => globalThis.fetch(request),
 });
+api.use({ onRequest: ({ request }) => request.headers.set("Accept-Language", i18n.language) });
 
 /** A refusal by the server (RFC 9457); its text says what is wrong and what would be right. */
 export class ApiProblem extends Error {

@@ -5571,7 +5571,9 @@ export interface operations {
                 root?: string;
                 depth?: number;
             };
-            header?: never;
+            header?: {
+                "accept-language"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -5579,6 +5581,7 @@ export interface operations {
         responses: {
             200: {
                 headers: {
+                    "Content-Language"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5598,7 +5601,9 @@ export interface operations {
     read_class: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                "accept-language"?: string;
+            };
             path: {
                 name: string;
             };
@@ -5608,6 +5613,7 @@ export interface operations {
         responses: {
             200: {
                 headers: {
+                    "Content-Language"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5630,7 +5636,9 @@ export interface operations {
                 limit?: number;
                 cursor?: string | null;
             };
-            header?: never;
+            header?: {
+                "accept-language"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -5638,6 +5646,7 @@ export interface operations {
         responses: {
             200: {
                 headers: {
+                    "Content-Language"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5660,7 +5669,9 @@ export interface operations {
                 limit?: number;
                 cursor?: string | null;
             };
-            header?: never;
+            header?: {
+                "accept-language"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -5668,6 +5679,7 @@ export interface operations {
         responses: {
             200: {
                 headers: {
+                    "Content-Language"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5693,7 +5705,9 @@ export interface operations {
                 limit?: number;
                 cursor?: string | null;
             };
-            header?: never;
+            header?: {
+                "accept-language"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -5701,6 +5715,7 @@ export interface operations {
         responses: {
             200: {
                 headers: {
+                    "Content-Language"?: string;
                     [name: string]: unknown;
                 };
                 content: {

@@ -1,5 +1,7 @@
 import { QueryObserver } from "@tanstack/react-query";
+import { answer, api } from "../api/client";
 import { queryClient } from "../api/queries";
+import i18n from "../i18n";
 import { emitEvent } from "./events";
 import { keepFresh } from "./freshness";
 
@@ -78,4 +80,33 @@ test("a change during the first fetch causes another fetch", async () => {
   await vi.advanceTimersByTimeAsync(1500);
   expect(queryClient.getQueryData(["world", "slow"])).toBe(1);
   end();
+});
+
+test("terms of the ontology are asked for in the language of the pages, and again in another one", async () => {
+  const asked: (string | null)[] = [];
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const language = request.headers.get("Accept-Language");
+    asked.push(language);
+    return Response.json({ items: [{ name: "sk:pose", label: language === "de" ? "Lage" : "pose" }] });
+  });
+  const observer = new QueryObserver(queryClient, {
+    queryKey: ["ontology", "properties"],
+    queryFn: () => answer(api.GET("/api/v1/ontology/properties")),
+  });
+  const labels: (string | undefined)[] = [];
+  const endObserving = observer.subscribe(({ data }) => labels.push(data?.items[0]?.label));
+  await vi.advanceTimersByTimeAsync(100);
+  expect(asked).toEqual(["en"]);
+
+  await i18n.changeLanguage("de");
+  await vi.advanceTimersByTimeAsync(100);
+  expect(asked).toEqual(["en", "de"]);
+  expect(labels.at(-1)).toBe("Lage");
+
+  end();
+  await i18n.changeLanguage("en");
+  await vi.advanceTimersByTimeAsync(100);
+  expect(asked).toHaveLength(2);
+  endObserving();
+  vi.unstubAllGlobals();
 });

@@ -1,7 +1,8 @@
-/** Invalidates cached queries after events; a burst of events invalidates them once. */
+/** Invalidates cached queries after events and for another language; a burst of events invalidates them once. */
 
 import type { Query } from "@tanstack/react-query";
 import { queryClient } from "../api/queries";
+import i18n from "../i18n";
 import { type EventInfo, onEvent, onReset } from "./events";
 
 /** The queries that each kind of event invalidates, by the first word of their keys. */
@@ -27,6 +28,8 @@ const INVALIDATED_BY: Record<EventInfo["kind"], readonly string[]> = {
     "me",
   ],
 };
+/** The queries with labels and comments of the ontology, which the server answers in the language of the pages. */
+const WORDED = ["ontology", "world"];
 /** Labels are fetched one by one, and therefore only invalidated by changes that may have renamed an element. */
 const NAMES = "names";
 const LABEL = "rdfs:label";
@@ -47,9 +50,12 @@ export function keepFresh(): () => void {
     timer ??= setTimeout(refresh, PAUSE);
   };
   const invalidateAll = () => void queryClient.invalidateQueries();
+  const markWorded = () => markStale(WORDED);
+  i18n.on("languageChanged", markWorded);
   const endings = [
     onEvent((event) => (isOpened(event) ? invalidateAll() : markStale(keysOf(event)))),
     onReset(invalidateAll),
+    () => i18n.off("languageChanged", markWorded),
   ];
   return () => {
     clearTimeout(timer);

@@ -204,8 +204,10 @@ class _Answer:
         headers["X-Request-Id"] = self._request.state.id
         for name, value in _HEADERS.items():
             headers.setdefault(name, value)
-        for name, value in self._more.items():
-            headers[name] = value
+        vary = headers.get("Vary")
+        headers.update(self._more)
+        if vary is not None and "Vary" in self._more:
+            headers.add_vary_header(vary)
         message["headers"] = headers.raw
         self.stream = headers.get("content-type", "").startswith("text/event-stream")
 

@@ -27,7 +27,7 @@ from skiros_py.server.access.audit import AuditLog, note
 from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.keys import KeyStore
-from skiros_py.server.access.roles import Operator, OperatorOrMes, Role, Viewer
+from skiros_py.server.access.roles import Anybody, Operator, OperatorOrMes, Role, Viewer
 from skiros_py.server.monitoring import Metrics
 from skiros_py.server.problems import Problem, add_problem_handlers
 from skiros_py.server.services import set_up_access
@@ -112,6 +112,10 @@ def _application() -> FastAPI:
     def job(act: Viewer, job_id: str) -> None:
         raise Problem(404, "UnknownJobOrderID", "there is no such job")
 
+    @app.get("/varied")
+    def varied(act: Anybody) -> None:
+        act.response.headers["Vary"] = "Accept-Language"
+
     @app.get("/stream")
     async def stream(act: Viewer) -> StreamingResponse:
         return StreamingResponse(_beats(), media_type="text/event-stream")
@@ -179,6 +183,15 @@ def test_an_allowed_page_is_answered_and_needs_a_key(door: _Doors) -> None:
     assert (asked.status_code, without.status_code, answered.status_code) == (204, 401, 200)
     assert answered.headers["Access-Control-Allow-Origin"] == "https://mes.example"
     assert "access-control-allow-credentials" not in asked.headers
+
+
+def test_what_an_answer_varies_with_is_kept_beside_the_origin_of_an_allowed_page(door: _Doors) -> None:
+    at = door(allowed_origins=("https://mes.example",))
+
+    theirs = at.client.get("/varied", headers={"Origin": "https://mes.example"})
+
+    assert {one.strip() for one in theirs.headers["Vary"].split(",")} == {"Accept-Language", "Origin"}
+    assert at.client.get("/varied").headers["Vary"] == "Accept-Language"
 
 
 def test_a_page_that_is_not_allowed_gets_no_cors_headers(door: _Doors) -> None:

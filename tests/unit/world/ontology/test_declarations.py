@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import pytest
 
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.ontology.statements import Statements
 from skiros_py.world.terms import Cardinality
 
 ROOT = Path(__file__).parents[4]
@@ -141,6 +144,99 @@ def test_rdfs_classes_and_untyped_object_properties_are_accepted(load: Load) -> 
     assert "mine:D" in ontology.classes
     assert ontology.relation("mine:s").transitive
     assert ontology.relation("mine:r").inverse == "mine:s"
+
+
+# ------------------------------------------------------------ languages
+
+TEXTS = """
+mine:A rdfs:label "thing" , "Ding"@de , "chose"@fr ; rdfs:comment "A thing."@en , "Ein Ding."@de .
+mine:B rdfs:label "Knopf"@de , "button"@en-GB .
+mine:C rdfs:label "Zug"@de , "Zugfahrt"@de-CH .
+mine:r rdfs:label "near" , "nahe"@DE . mine:p a owl:DatatypeProperty ; rdfs:comment "Masse"@de .
+"""
+
+
+def test_terms_keep_labels_and_comments_in_all_their_languages(load: Load) -> None:
+    ontology = load(TEXTS)
+
+    thing = ontology.classes["mine:A"]
+    assert (thing.label, thing.labels) == ("thing", {"de": "Ding", "fr": "chose"})
+    assert (thing.comment, thing.comments) == ("A thing.", {"de": "Ein Ding."})
+    assert ontology.relation("mine:r").labels == {"de": "nahe"}
+    assert ontology.properties["mine:p"].comments == {"de": "Masse"}
+    assert ontology.languages == ("en", "de", "de-ch", "en-gb", "fr")
+    assert pickle.loads(pickle.dumps(ontology)).classes == ontology.classes
+
+
+@pytest.mark.parametrize(
+    ("term", "language", "label"),
+    [
+        ("mine:A", "en", "thing"),
+        ("mine:A", "de", "Ding"),
+        ("mine:A", "DE-at", "Ding"),
+        ("mine:A", "it", "thing"),
+        ("mine:B", "it", "button"),
+        ("mine:B", "en-US", "button"),
+        ("mine:C", "de-CH", "Zugfahrt"),
+        ("mine:C", "de", "Zug"),
+        ("mine:C", "fr", "Zug"),
+        ("sk:Robot", "fr", "robot"),
+    ],
+)
+def test_a_term_is_said_in_a_language_else_in_english_else_in_any(
+    load: Load, term: str, language: str, label: str
+) -> None:
+    assert load(TEXTS).classes[term].in_language(language).label == label
+
+
+def test_of_label_and_comment_each_is_said_in_the_language_that_it_has(load: Load) -> None:
+    said = load(TEXTS).classes["mine:A"].in_language("fr")
+
+    assert (said.label, said.comment) == ("chose", "A thing.")
+
+
+@pytest.mark.parametrize("tag", ["de_DE", "deutschland", ""])
+def test_a_damaged_language_tag_is_refused_with_its_line(load: Load, tag: str) -> None:
+    with pytest.raises(FileError) as caught:
+        load(f'mine:A rdfs:label "Ding"@{tag} .')
+
+    assert caught.value.line == LINE
+
+
+def test_a_fault_in_a_declaration_names_its_file_not_one_that_translates_the_term(tmp_path: Path) -> None:
+    prefixes = HEAD.partition("mine:A")[0]
+    (tmp_path / "a.ttl").write_text(f'{prefixes}mine:r rdfs:label "an"@de .')
+    (tmp_path / "b.ttl").write_text(f"{prefixes}mine:r a owl:ObjectProperty ; rdfs:subPropertyOf sk:placement .")
+
+    with pytest.raises(FileError, match="mine:r is a placement and needs sk:placeEnd") as caught:
+        Ontology.load([ROOT / "ontologies" / "core.ttl", tmp_path])
+
+    assert caught.value.path.name == "b.ttl"
+
+
+def test_every_term_of_the_shipped_ontologies_has_a_german_label_and_comment(ontology: Ontology) -> None:
+    terms = (*ontology.classes.values(), *ontology.relations.values(), *ontology.properties.values())
+
+    assert [term.curie for term in terms if not (term.labels.get("de") and term.comments.get("de"))] == []
+
+
+@pytest.mark.parametrize("detail", [r"\[[^]]*\]", r"\w+:\w+", r"\d[.,]\d+", r"\w+_\d"])
+def test_german_comments_name_the_same_units_terms_numbers_and_examples(ontology: Ontology, detail: str) -> None:
+    terms = (*ontology.classes.values(), *ontology.relations.values(), *ontology.properties.values())
+    found = {
+        term.curie: [sorted(re.findall(detail, text.replace(",", "."))) for text in (term.comment, term.comments["de"])]
+        for term in terms
+    }
+
+    assert {term: both for term, both in found.items() if both[0] != both[1]} == {}
+
+
+def test_a_file_of_translations_is_about_declared_terms_only(ontology: Ontology) -> None:
+    (german,) = (one for one in ontology.sources if one.path.name == "german.ttl")
+    subjects = {ontology.names.name(triple.subject.value) for triple in german.triples}
+    declared = {term for terms in Statements(ontology.sources, ontology.names).declared.values() for term in terms}
+
+    assert subjects - declared == {german.iri}
 
 
 # ------------------------------------------------------------ what is refused
