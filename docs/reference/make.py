@@ -46,7 +46,7 @@ PAGES: Mapping[str, tuple[str, Sequence[str]]] = {
             "skiros_py.world.world:World",
             "skiros_py.world.transaction:Transaction",
             "skiros_py.world.element:Element,Placement",
-            "skiros_py.world.terms:Class,Relation,Property,Cardinality",
+            "skiros_py.world.terms:Term,Class,Relation,Property,Cardinality",
             "skiros_py.world.reasoners.registry:Reasoner,Answer",
         ),
     ),

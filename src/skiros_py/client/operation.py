@@ -96,8 +96,8 @@ def operation(
     """Declares an operation by a method without a body: its parameters are sent, its result is parsed.
 
     Parameters in braces are part of the path, ``version`` and ``seen`` the header ``If-Match`` (without a version: any,
-    and no header), ``language`` the header ``Accept-Language``. Of GET, DELETE, and after a question mark, the others are
-    the query; else they are the body: a model as it is, plain values as an object. None is left out.
+    and no header), ``language`` the header ``Accept-Language``. Of GET, DELETE, and after a question mark, the others
+    are the query; else they are the body: a model as it is, plain values as an object. None is left out.
 
     Args:
         request: Method and path, as ``POST /simulation/reset?force``.

@@ -12,7 +12,18 @@ from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.api.world import ElementPatch
 from skiros_py.client.operation import Operation
 from skiros_py.client.request import Call, arguments_of
-from skiros_py.client.topics import Devices, Elements, Goals, Jobs, Modules, Ontology, Scenes, Signals, Simulation, Topics
+from skiros_py.client.topics import (
+    Devices,
+    Elements,
+    Goals,
+    Jobs,
+    Modules,
+    Ontology,
+    Scenes,
+    Signals,
+    Simulation,
+    Topics,
+)
 
 
 class Blocking:

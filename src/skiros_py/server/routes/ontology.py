@@ -15,8 +15,7 @@ from skiros_py.server.problems import topic_router
 from skiros_py.server.routes.world import Cursor, Limit, NamePath
 
 
-
-async def _negotiated(
+def _negotiated(  # in the thread pool: the station may be opening
     act: Anybody,
     accept_language: Annotated[
         str,
@@ -24,7 +23,9 @@ async def _negotiated(
     ] = "",
 ) -> str:
     """Returns the best of the languages that the ontology has, else English, and puts it into the headers."""
-    accepted = parse_accept_header(accept_language, LanguageAccept)
+    given = parse_accept_header(accept_language, LanguageAccept)
+    # Else an exact tag of low quality would come before a regional one of high quality: "de;q=0.1, en-GB".
+    accepted = LanguageAccept([*given, *((tag.partition("-")[0], quality) for tag, quality in given if quality > 0)])
     language = accepted.best_match(act.station.ontology.languages, "en")
     act.response.headers.update({"Content-Language": language, "Vary": "Accept-Language"})
     return language
@@ -34,7 +35,11 @@ Language = Annotated[str, Depends(_negotiated)]
 """For routes with labels or comments: the language to answer in."""
 
 _TOLD: dict[int | str, dict[str, Any]] = {
-    200: {"headers": {"Content-Language": {"description": "Language of labels and comments.", "schema": {"type": "string"}}}}
+    200: {
+        "headers": {
+            "Content-Language": {"description": "Language of labels and comments.", "schema": {"type": "string"}}
+        }
+    }
 }
 
 router = topic_router("ontology", "/ontology", _TOLD)
