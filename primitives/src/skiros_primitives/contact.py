@@ -109,7 +109,7 @@ class WholeMotion:
         speeds = self._speeds()
         accelerations, self._before = (speeds - self._before) / self._board.period, speeds
         if self._base is not None:
-            self.is_knocked = bool(np.abs(accelerations[[0, 2]]).max() > _KNOCK)
+            self.is_knocked = bool(max(abs(accelerations[0]), abs(accelerations[2])) > _KNOCK)
             accelerations[1] = speeds[0] * speeds[2]  # it drives ahead while it turns
         return JointMotion(self.joints, self._positions(), speeds, accelerations)
 

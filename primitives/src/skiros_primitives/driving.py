@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
-import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
@@ -69,12 +68,13 @@ class Bumper:
         exerted, motion = self._exerted(), self._motion.since_before()
         if self._dynamics is None or not self._measures:
             return False
-        if None in exerted or not np.isfinite(exerted).all():
+        if None in exerted or not all(map(math.isfinite, exerted)):
             raise DeviceError(
                 "{base} does not measure what its drives exert: it would feel no contact", base=self._base.id
             )
-        needed = self._dynamics.efforts(motion)[[0, 2]]  # ahead and around
-        self._pushes = self._pushes + 1 if (np.abs(np.array(exerted) - needed) > _PUSH).any() else 0
+        needed = self._dynamics.efforts(motion).tolist()
+        force, torque = exerted[0] - needed[0], exerted[1] - needed[2]  # ahead and around
+        self._pushes = self._pushes + 1 if max(abs(force), abs(torque)) > _PUSH else 0
         return self._pushes >= _PUSHES
 
     def _exerted(self) -> list[Any]:

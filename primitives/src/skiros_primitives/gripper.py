@@ -89,10 +89,12 @@ class WatchGrasp(Primitive[Any]):
     def execute(self) -> Execution[Outcome]:
         """Reads the gap in every cycle; a lost part is assumed to be on the floor."""
         gripper = Gripper(self.context.board, self.device)
+        held, version = self._held(), self.world.version
         lost_since: float | None = None
         while True:
             yield
-            held = self._held()
+            if version != self.world.version:
+                held, version = self._held(), self.world.version
             if held is None or gripper.state.gap > held[1] - _TOLERANCE:
                 lost_since = None
                 continue

@@ -21,6 +21,7 @@ from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.paths import floor_area
+from skiros_py.ports.values import Snapshot
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose, obstacles, solid_of
 from skiros_py.world import vocabulary as v
@@ -368,6 +369,7 @@ class PlaceInSight:
         self._around = obstacles(context, parts=False, without=frozenset({thing.id}))
         self._numbers = {spec.id: self._scan(spec).number for spec in robot.of(ScannerSpec)}
         self._sighting: Sighting | None = None
+        self._known: tuple[Snapshot, Pose] | None = None
 
     @classmethod
     def of(cls, context: RunContext, robot: RobotSpec, base: Mobile, location: str, goal: Pose) -> PlaceInSight | None:
@@ -401,6 +403,7 @@ class PlaceInSight:
             start = np.asarray((to_odometry @ scanner).position)
             flags = np.arange(len(ends)) < len(met)
             self._sighting.add(Rays(np.broadcast_to(start, ends.shape), ends, flags), self._odometry)
+            self._known = None
 
     @property
     def is_contradicted(self) -> bool:
@@ -432,8 +435,12 @@ class PlaceInSight:
 
     @property
     def _corrected(self) -> Pose:
-        seen, localised = self.pose, self._localised
-        return localised if seen is None else self._believed @ seen.inverse() @ localised
+        """Where the robot would be in the map if all that is off were where it is localised."""
+        snapshot = self._context.board.snapshot
+        if self._known is None or self._known[0] is not snapshot:
+            seen, localised = self.pose, self._localised
+            self._known = snapshot, localised if seen is None else self._believed @ seen.inverse() @ localised
+        return self._known[1]
 
     @property
     def is_far_off(self) -> bool:
@@ -448,8 +455,7 @@ class PlaceInSight:
 
     @property
     def _odometry(self) -> Pose:
-        pose: Pose = self._context.board.guard.call(self._base.spec, "pose", self._base.state)
-        return pose
+        return self._context.board.guard.pose(self._base.spec, self._base.state)
 
     def _scan(self, spec: ScannerSpec) -> ScannerState:
         return self._context.board.snapshot.state(spec.id, ScannerState)

@@ -197,7 +197,8 @@ class SimulatedArm:
     def __init__(self, spec: ArmSpec, robot: SimulatedRobot) -> None:
         self.spec = spec
         self._joints = robot.joints(spec.joints)
-        self._lower, self._upper, self._efforts, self._speeds = self._joints.limits
+        self._lower, self._upper, efforts, self._speeds = self._joints.limits
+        self._most_effort = efforts.tolist()
         self._period = robot.engine.period
         self._reference: Array = np.array(spec.home, dtype=float)
         self._velocity: Array = np.zeros(len(spec.home))
@@ -217,7 +218,9 @@ class SimulatedArm:
             self._follow(target)
         # The motor adds the speed during the coming step, so the place to correct towards is where that step begins.
         begin = self._reference - self._velocity * self._period
-        self._joints.hold_positions(begin, gain=_GAIN, effort=self._efforts, velocities=self._velocity)
+        self._joints.hold_positions(
+            begin.tolist(), gain=_GAIN, effort=self._most_effort, velocities=self._velocity.tolist()
+        )
 
     def state(self) -> ArmState:
         """Reads the joint sensors; to be called once per cycle."""

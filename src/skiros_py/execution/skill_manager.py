@@ -129,6 +129,10 @@ class SkillManager:
         """The skills it offers, by name; none when it is lost."""
         return {} if self.lost else {name: ways[0].description for name, ways in self.skills.items()}
 
+    def offers(self, skill: str) -> bool:
+        """Returns True if it offers a skill."""
+        return not self.lost and skill in self.skills
+
     @property
     def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
         """What each implementation of a skill asks for besides what the description does, by the skill's name."""

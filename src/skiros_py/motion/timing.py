@@ -118,12 +118,15 @@ def _fastest(curve: CubicSpline, limits: JointLimits, path_rate: float | Array) 
     # Half of the acceleration is left for speeding up and braking where the path bends most.
     squared = np.minimum(squared, (0.5 * limits.acceleration / (bend + 1e-12)).min(axis=1))
     squared[0] = squared[-1] = 0.0
+    found, limit = squared.tolist(), limits.acceleration.tolist()  # numbers one by one: arrays of a few joints are slow
+    rows = [list(zip(limit, *row, strict=True)) for row in zip(bend.tolist(), slope.tolist(), strict=True)]
     for order in (range(_GRID), range(_GRID, 0, -1)):
         towards = 1 if order.step > 0 else -1
         for i in order:
-            push = ((limits.acceleration - bend[i] * squared[i]) / slope[i]).min()
-            squared[i + towards] = min(squared[i + towards], squared[i] + 2.0 * push / _GRID)
-    rate = np.sqrt(squared)
+            here = found[i]
+            push = min((most - bent * here) / sloped for most, bent, sloped in rows[i])
+            found[i + towards] = min(found[i + towards], here + 2.0 * push / _GRID)
+    rate = np.sqrt(found)
     steps = 2.0 / _GRID / (rate[1:] + rate[:-1])
     return CubicHermiteSpline(np.concatenate([[0.0], np.cumsum(steps)]), grid, rate)
 

@@ -8,14 +8,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from skiros_py.geometry import Array, Pose, Primitive, Solid
+from skiros_py.geometry import Array, Pose, Primitive, rotation_matrix
 from skiros_py.messages import Message
 from skiros_py.ports.perception import HeldRequest, HeldResult
 
@@ -48,48 +45,93 @@ _FEWEST = 80
 _LEAST_SHARE = 0.75
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rays:
-    """Rays of the camera in the frame of the tip, with the depth measured along each; background has the limit."""
+class _Block:
+    """One block of a solid in a fixed turn, and the rays in its frame."""
 
-    eye: Array
-    directions: Array
-    measured: Array
-    nearest: float
-    limit: float
+    def __init__(self, block: Primitive, turn: Array, directions: Array) -> None:
+        self._turn, self._box = turn, block.kind == "box"
+        ways = (directions @ turn).T.copy()
+        self._ways = np.where(np.abs(ways) < 1e-12, 1e-12, ways)
+        self._radius = block.size[0]
+        self._axes = slice(0, 3) if self._box else slice(2, 3)
+        self._inverse = 1.0 / self._ways[self._axes]
+        half = np.asarray(block.size if self._box else block.size[1:]) / 2.0
+        self._spans = half[:, None] * np.abs(self._inverse)
+        self._across = (self._ways[:2] ** 2).sum(axis=0)
 
-    @classmethod
-    def of(cls, request: HeldRequest, stride: int) -> _Rays:
-        """Takes the rays that pass where the part may be, and that measured something."""
+    def met(self, eye: Array) -> Array:
+        """Returns at which multiple of its direction each ray enters the block; infinite where it misses it.
+
+        Args:
+            eye: Where the rays start, seen from the middle of the block [m].
+        """
+        start = eye @ self._turn
+        middles = -start[self._axes, None] * self._inverse
+        enter, leave = (middles - self._spans).max(axis=0), (middles + self._spans).min(axis=0)
+        meets = enter > 0.0
+        if not self._box:
+            x, y = self._ways[:2]
+            half_b = x * start[0] + y * start[1]
+            root = half_b**2 - self._across * (start[:2] @ start[:2] - self._radius**2)
+            reach = np.sqrt(np.maximum(root, 0.0))
+            enter = np.maximum(enter, (-half_b - reach) / self._across)
+            leave = np.minimum(leave, (-half_b + reach) / self._across)
+            meets = (root >= 0.0) & (enter > 0.0)
+        return np.where(meets & (leave >= enter), enter, np.inf)
+
+
+class _Comparison:
+    """A solid at poses near the expected one, compared with what the rays of the camera measured.
+
+    All is in the frame of the tip. Only rays that pass where the part may be count, and that measured something; what
+    is behind the limit is background. A move is a shift in x, y and z [m] and a turn about the tip's y axis [rad].
+    """
+
+    def __init__(self, request: HeldRequest, stride: int) -> None:
+        self._solid, self._guess = request.solid, request.guess
         k, depth = request.image.intrinsics, request.image.depth[::stride, ::stride].astype(np.float64)
         v, u = np.mgrid[0 : k.height : stride, 0 : k.width : stride]
         known = np.isfinite(depth) & (depth >= k.near) & (depth <= k.far)
         rays = np.column_stack([(u[known] - k.cx) / k.fx, (v[known] - k.cy) / k.fy, np.ones(known.sum())])
-        directions = rays @ Rotation.from_quat(request.camera_pose.orientation).as_matrix().T
-        eye = np.asarray(request.camera_pose.position)
+        directions = rays @ rotation_matrix(request.camera_pose.orientation).T
+        self._eye, self._nearest = np.asarray(request.camera_pose.position), k.near
         corners = request.guess.apply(np.array(list(itertools.product(*np.transpose(request.solid.bounds())))))
-        limit = float(request.camera_pose.inverse().apply(corners)[:, 2].max()) + _BELOW
+        self._limit = float(request.camera_pose.inverse().apply(corners)[:, 2].max()) + _BELOW
         low, high = corners.min(axis=0) - _MARGIN, corners.max(axis=0) + _MARGIN
-        zone = Primitive("box", tuple((high - low).tolist()))
-        near = _met(zone, Pose(tuple(((low + high) / 2.0).tolist())), eye, directions) < np.inf
-        return cls(eye, directions[near], np.minimum(depth[known][near], limit), k.near, limit)
+        zone = _Block(Primitive("box", tuple((high - low).tolist())), np.eye(3), directions)
+        near = zone.met(self._eye - (low + high) / 2.0) < np.inf
+        self._directions, self._measured = directions[near], np.minimum(depth[known][near], self._limit)
+        self._turned: dict[float, list[tuple[Array, _Block]]] = {}
+        self._prices: dict[tuple[float, ...], float] = {}
 
-    def rendered(self, solid: Solid, pose: Pose) -> Array:
-        """Returns the depth at which each ray meets a solid, or the limit [m]."""
-        depths = np.full(len(self.directions), self.limit)
-        for block in solid.primitives:
-            np.minimum(depths, _met(block, pose @ block.pose, self.eye, self.directions), out=depths)
-        return depths
-
-    def misfits(self, solid: Solid, pose: Pose) -> tuple[Array, NDArray[np.bool_]]:
-        """Returns by how much a solid at a pose contradicts each ray [m], and which rays meet it.
+    def misfits(self, move: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Returns by how much the moved solid contradicts each ray [m], and which rays meet it.
 
         What is nearer than the camera measures, which may look through that, is neither right nor wrong.
         """
-        depths = self.rendered(solid, pose)
-        close = depths < self.nearest
-        misfit = np.minimum(np.abs(depths - self.measured), _CLIP)
-        return np.where(close, _TOO_CLOSE, misfit), (depths < self.limit) & ~close
+        depths = np.full(len(self._directions), self._limit)
+        for position, block in self._blocks(float(move[3])):
+            np.minimum(depths, block.met(self._eye - move[:3] - position), out=depths)
+        close = depths < self._nearest
+        misfit = np.minimum(np.abs(depths - self._measured), _CLIP)
+        return np.where(close, _TOO_CLOSE, misfit), (depths < self._limit) & ~close
+
+    def price(self, move: Array) -> float:
+        """Returns what speaks against a move; each is looked at once."""
+        key = tuple(np.round(move, 9).tolist())
+        if key not in self._prices:
+            self._prices[key] = float(self.misfits(move)[0].sum() + _UNLIKELY @ np.abs(move))
+        return self._prices[key]
+
+    def _blocks(self, turn: float) -> list[tuple[Array, _Block]]:
+        """Returns the blocks of the solid, turned but not shifted, and where their middles are [m]."""
+        if turn not in self._turned:
+            poses = [_moved(self._guess, np.array([0.0, 0.0, 0.0, turn])) @ one.pose for one in self._solid.primitives]
+            self._turned[turn] = [
+                (np.asarray(pose.position), _Block(one, rotation_matrix(pose.orientation), self._directions))
+                for one, pose in zip(self._solid.primitives, poses, strict=True)
+            ]
+        return self._turned[turn]
 
 
 def sits(request: HeldRequest) -> HeldResult:
@@ -101,33 +143,31 @@ def sits(request: HeldRequest) -> HeldResult:
     Returns:
         The pose; none where too little of the part is seen at any pose, or what is seen has another shape.
     """
-    solid, guess = request.solid, request.guess
-    coarse, fine = _Rays.of(request, _COARSE), _Rays.of(request, _FINE)
+    coarse, fine = _Comparison(request, _COARSE), _Comparison(request, _FINE)
     starts = [np.array([shift, 0.0, 0.0, turn]) for shift, turn in itertools.product(_SHIFTS, _TURNS)]
-    starts.sort(key=partial(_price, coarse, solid, guess))
-    rough = [_downhill(coarse, solid, guess, start, _STEP) for start in starts[:_KEPT]]
-    best = min(rough, key=partial(_price, coarse, solid, guess))
-    pose = _moved(guess, _downhill(fine, solid, guess, best, _STEP / 4.0))
-    misfit, covered = fine.misfits(solid, pose)
+    starts.sort(key=coarse.price)
+    rough = [_downhill(coarse, start, _STEP) for start in starts[:_KEPT]]
+    found = _downhill(fine, min(rough, key=coarse.price), _STEP / 4.0)
+    misfit, covered = fine.misfits(found)
     agreeing = int((covered & (misfit <= _AGREES)).sum())
     counted = (covered | (misfit > 0.0)) & (misfit != _TOO_CLOSE)
     if agreeing < _FEWEST:
-        expected = int(fine.misfits(solid, guess)[1].sum()) >= 2 * _FEWEST
+        expected = int(fine.misfits(np.zeros(4))[1].sum()) >= 2 * _FEWEST
         return HeldResult(None, math.inf, expected, Message("it is not seen between the fingers"))
     cost = float(misfit[counted].mean())
     share = agreeing / int(counted.sum())
     if share < _LEAST_SHARE:
         why = Message("only {percent:.0f} % of what is seen between the fingers has its shape", percent=100.0 * share)
         return HeldResult(None, cost, True, why)
-    return HeldResult(pose, cost, True)
+    return HeldResult(_moved(request.guess, found), cost, True)
 
 
-def _downhill(rays: _Rays, solid: Solid, guess: Pose, start: Array, step: Array) -> Array:
+def _downhill(comparison: _Comparison, start: Array, step: Array) -> Array:
     """Searches in some directions, with halved steps where none is better; returns the best move."""
-    at, cost = start, _price(rays, solid, guess, start)
+    at, cost = start, comparison.price(start)
     halvings = 0
     for _ in range(_ROUNDS):
-        tried = [(_price(rays, solid, guess, one), one) for one in at + _DIRECTIONS * step]
+        tried = [(comparison.price(one), one) for one in at + _DIRECTIONS * step]
         least, nearest = min(tried, key=lambda one: one[0])
         if least < cost:
             at, cost = nearest, least
@@ -138,29 +178,7 @@ def _downhill(rays: _Rays, solid: Solid, guess: Pose, start: Array, step: Array)
     return at
 
 
-def _price(rays: _Rays, solid: Solid, guess: Pose, move: Array) -> float:
-    return float(rays.misfits(solid, _moved(guess, move))[0].sum() + _UNLIKELY @ np.abs(move))
-
-
 def _moved(guess: Pose, move: Array) -> Pose:
     """Returns a pose turned about the tip's y axis, then shifted."""
     x, y, z, turn = (float(value) for value in move)
     return Pose.of(x, y, z, pitch=turn) @ guess
-
-
-def _met(block: Primitive, pose: Pose, eye: Array, directions: Array) -> Array:
-    """Returns at which multiple of its direction each ray enters a block; infinite where it misses it."""
-    turn = Rotation.from_quat(pose.orientation).as_matrix()
-    start, ways = (eye - np.asarray(pose.position)) @ turn, directions @ turn
-    ways = np.where(np.abs(ways) < 1e-12, 1e-12, ways)
-    half = np.asarray(block.size if block.kind == "box" else (np.inf, np.inf, block.size[1])) / 2.0
-    ends = np.stack([(-half - start) / ways, (half - start) / ways])
-    enter, leave = ends.min(axis=0).max(axis=1), ends.max(axis=0).min(axis=1)
-    if block.kind != "box":
-        a = (ways[:, :2] ** 2).sum(axis=1)
-        half_b = ways[:, :2] @ start[:2]
-        root = half_b**2 - a * (start[:2] @ start[:2] - block.size[0] ** 2)
-        reach = np.sqrt(np.maximum(root, 0.0))
-        enter = np.where(root >= 0.0, np.maximum(enter, (-half_b - reach) / a), np.inf)
-        leave = np.minimum(leave, (-half_b + reach) / a)
-    return np.where((leave >= enter) & (enter > 0.0), enter, np.inf)

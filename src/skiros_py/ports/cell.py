@@ -6,6 +6,7 @@ It is read from the world model once, before anything moves; adapters see this a
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName
@@ -49,7 +50,7 @@ class BodySpec:
     compartment: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: it remembers which of its devices are of a kind
 class RobotSpec:
     """One robot: its model and its devices. A device that belongs to no robot is a group of its own, of one device.
 
@@ -100,7 +101,14 @@ class RobotSpec:
 
     def of(self, type_: type[SpecT]) -> tuple[SpecT, ...]:
         """Returns its devices of a kind."""
-        return tuple(device for device in self.devices if isinstance(device, type_))
+        if type_ not in self._of_kind:
+            self._of_kind[type_] = tuple(device for device in self.devices if isinstance(device, type_))
+        return self._of_kind[type_]
+
+    @cached_property
+    def _of_kind(self) -> dict[type, tuple[Any, ...]]:
+        """Its devices of each kind that was asked for."""
+        return {}
 
     def device(self, id_: str) -> DeviceSpec[Any, Any]:
         """Returns one of its devices.
@@ -117,7 +125,7 @@ class RobotSpec:
         """Returns True when a device of that id is one of its own."""
         return any(own.id == device for own in self.devices)
 
-    @property
+    @cached_property
     def carrier(self) -> MobileSpec[Any, Any] | None:
         """The device that moves it through the map; None for a robot that stands where it is."""
         return next((device for device in self.devices if isinstance(device, MobileSpec)), None)
@@ -132,7 +140,7 @@ class RobotSpec:
         """Corners of its outline on the floor in its own frame [m]; none where it touches no floor."""
         return self.footprint if self.carrier is None else self.carrier.footprint
 
-    @property
+    @cached_property
     def localiser(self) -> LocalisingSpec[Any, Any] | None:
         """The device that knows its pose: its localiser, else the device that moves it; None where it has neither."""
         devices = (device for device in self.devices if isinstance(device, LocalisingSpec))
@@ -145,10 +153,7 @@ class RobotSpec:
             DeviceError: Its localiser was switched off.
         """
         localiser = self.localiser
-        if localiser is None:
-            return self.place
-        pose: Pose = guard.call(localiser, "pose", snapshot.devices[localiser.id])
-        return pose
+        return self.place if localiser is None else guard.pose(localiser, snapshot.devices[localiser.id])
 
 
 @dataclass(frozen=True, slots=True)

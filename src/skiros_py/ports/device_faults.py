@@ -6,16 +6,19 @@ import dataclasses
 import inspect
 import logging
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from functools import lru_cache, partial
+from itertools import chain
 from threading import get_ident
 from typing import Any, TypeVar
 
 import numpy as np
 
 from skiros_py.errors import DeviceError, SkirosError
+from skiros_py.geometry import Pose
 from skiros_py.interruptions import Activity, CycleOverrun, limited
-from skiros_py.ports.device import DeviceModel, DeviceSpec, MobileSpec
+from skiros_py.ports.device import DeviceModel, DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.ports.values import Commands
 
@@ -46,6 +49,7 @@ class KindGuard:
         self.uncontrolled: set[str] = set()
         self.halt: Callable[[str], None] = lambda _reason: None
         self.calling: tuple[DeviceSpec[Any, Any], str] | None = None
+        self._poses: dict[str, tuple[Any, Pose]] = {}
 
     def switch_off(self, device: DeviceSpec[Any, Any], why: str) -> DeviceError:
         """Switches a device off; returns the error for those who use it."""
@@ -91,6 +95,19 @@ class KindGuard:
         answer = activity.run(KindCall(self, device, function), work)
         self.require(device.id)
         return answer
+
+    def pose(self, device: LocalisingSpec[Any, Any], state: Any) -> Pose:
+        """Returns the pose that a device says; for any thread. Its kind is asked once for each state.
+
+        Raises:
+            DeviceError: It is switched off, or the call fails.
+        """
+        known = self._poses.get(device.id)
+        if known is None or known[0] is not state:
+            known = self._poses[device.id] = state, self.call(device, "pose", state)
+        elif self.activity.thread == get_ident():
+            self.require(device.id)
+        return known[1]
 
     def attempt(
         self,
@@ -395,6 +412,31 @@ def _nan_check(kind: type) -> Callable[[Any], bool]:
     if issubclass(kind, Mapping):
         return lambda value: any(map(has_nan, value.values()))
     if issubclass(kind, list | tuple):
-        return lambda value: any(map(math.isnan if set(map(type, value)) == {float} else has_nan, value))
-    names = [field.name for field in dataclasses.fields(kind)] if dataclasses.is_dataclass(kind) else ()
-    return lambda value: any(has_nan(getattr(value, name)) for name in names)
+        return lambda value: not _is_finite(value) and any(map(has_nan, value))
+    if not dataclasses.is_dataclass(kind):
+        return lambda _value: False
+    return _fields_check(tuple(field.name for field in dataclasses.fields(kind)))
+
+
+def _fields_check(names: tuple[str, ...]) -> Callable[[Any], bool]:
+    def found(value: Any) -> bool:
+        for name in names:
+            one = getattr(value, name)
+            kind = type(one)
+            if one != one if kind is float else kind not in _WITHOUT_NAN and _nan_check(kind)(one):
+                return True
+        return False
+
+    return found
+
+
+_WITHOUT_NAN = {bool, int, str, type(None)}
+
+
+def _is_finite(values: Iterable[Any]) -> bool:
+    """Returns True if the sum says that numbers, or rows of numbers, are finite; False where it does not say that."""
+    for flat in (values, chain.from_iterable(values)):
+        with suppress(Exception):  # of what cannot be added up
+            total = sum(flat)
+            return bool(total - total == 0.0)
+    return False

@@ -127,7 +127,7 @@ class TaskContext:
 
     def offers(self, agent: str, skill: str) -> bool:
         """Returns True if a subsystem is present and provides a skill."""
-        return agent in self.managers and skill in self.managers[agent].descriptions
+        return agent in self.managers and self.managers[agent].offers(skill)
 
     # ------------------------------------------------------------------ answers of planning
 

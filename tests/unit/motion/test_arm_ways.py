@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.motion.pinocchio.arm_model import arm_model
+from skiros_py.motion.pinocchio.arm_model import arm_model, se3
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
+from skiros_py.motion.pinocchio.collision import CollisionScene, Fault
 from skiros_py.motion.pinocchio.free_moves import KeptPaths
-from skiros_py.motion.pinocchio.kinematics import kinematics_of
+from skiros_py.motion.pinocchio.kinematics import IkSolver, kinematics_of
+from skiros_py.motion.pinocchio.lines import Lines
 from skiros_py.motion.sampling import Prm, RrtConnect
 from skiros_py.ports.adapters import GivenPorts, InstalledPorts
 from skiros_py.ports.cell import RobotSpec
@@ -96,6 +99,51 @@ def test_where_neither_is_possible_it_is_searched_and_the_reasons_of_both_are_ke
 def line(posture: tuple[float, ...], x: float, y: float, z: float) -> LineMove:
     """A line that moves the tip, without turning it, from where it is."""
     return LineMove(Pose((x, y, z)) @ tip(posture))
+
+
+class Counted(IkSolver):
+    """Counts how often joint angles are looked for."""
+
+    count = 0
+
+    def solve(self, *args: Any, **options: Any) -> Array | None:
+        self.count += 1
+        return super().solve(*args, **options)
+
+
+def test_the_postures_of_a_line_are_found_once_however_often_it_is_checked(robot: RobotSpec) -> None:
+    arm = arm_model(robot, robot.of(ArmSpec)[0])
+    start, goal = np.array(LEFT), line(LEFT, 0.0, 0.1, 0.0).pose
+    solver, wall = Counted(arm), Obstacle("wall", Solid.box(1.0, 0.02, 1.0), Pose((0.0, 0.07, 0.0)) @ tip(LEFT))
+    wall = replace(wall, pose=Pose((*wall.pose.position[:2], 0.0)))
+    checks = [CollisionScene(arm, (), Pose(), some, None, 0.04).checker(0.002) for some in ((), (), (wall,))]
+    lines = Lines(arm, solver)
+
+    first = lines.follow(start, se3(goal), checks[0])
+    searched = solver.count
+    again, stopped = (lines.follow(start, se3(goal), check) for check in checks[1:])
+
+    assert solver.count == searched > 10
+    assert not isinstance(first, Fault)
+    assert np.array_equal(first, again)
+    assert isinstance(stopped, Fault)
+    assert "wall" in stopped.reason
+
+
+def test_lines_of_routes_that_begin_farther_away_than_the_best_one_ends_are_not_followed(robot: RobotSpec) -> None:
+    arm = robot.of(ArmSpec)[0]
+    counts = []
+    for others in ((), (RIGHT,)):
+        solver = Counted(arm_model(robot, arm))
+        motion = ArmMotion(robot, GivenPorts({InverseKinematics: solver, SamplingPlanner: RrtConnect()}))
+        routes = [(JointMove(one), line(one, 0.0, 0.0, 0.1)) for one in (LEFT, *others)]
+
+        plan = found(motion.plan(MotionRequest("arm", LEFT, Pose(), tuple(routes), gap=0.04)))
+
+        assert plan.route == 0
+        counts.append(solver.count)
+
+    assert counts[0] == counts[1] > 10
 
 
 def test_a_line_through_a_singular_posture_is_refused_as_that(fresh: ArmMotion) -> None:

@@ -15,7 +15,7 @@ from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import Checker, CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
 from skiros_py.motion.pinocchio.lines import Lines
-from skiros_py.motion.pinocchio.route_search import Chain, RouteSearch
+from skiros_py.motion.pinocchio.route_search import Chain, Postures, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
 from skiros_py.ports.adapters import InstalledPorts, Ports
 from skiros_py.ports.cell import RobotSpec
@@ -58,8 +58,8 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
         corners = np.array(list(product(*np.transpose(held.solid.bounds()))))
         body = np.vstack([body, held.pose.apply(corners)])
     points = np.vstack([_points(arm, posture, body) for posture in (*postures[::_STEP], postures[-1])])
-    around = (points[:, None, :2] + _RIM).reshape(-1, 2)
-    corners = shapely.get_coordinates(hull(around))[:-1]
+    outer = shapely.get_coordinates(hull(points[:, :2]))
+    corners = shapely.get_coordinates(hull((outer[:, None] + _RIM).reshape(-1, 2)))[:-1]
     return tuple((float(x), float(y)) for x, y in corners)
 
 
@@ -117,11 +117,12 @@ class ArmMotion:
         name = request.device
         solver, pairs, planner = self._solvers[name], self._self_pairs[name], self._planners[name]
         lines, refusals = Lines(arm, solver), tuple[Refusal, ...]()
+        postures = Postures(arm, solver, request.base, request.seed)
         for share in request.shares if any(one.error for one in request.obstacles) else (1.0,):
             around = [_grown(one, share * one.error) for one in request.obstacles]
             scene = CollisionScene(arm, pairs, request.base, around, request.held, request.gap, request.constraints)
             moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
-            search = RouteSearch(arm, solver, scene, request.base, request.seed, lines, moves)
+            search = RouteSearch(arm, scene, postures, lines, moves)
             found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
             refusals += search.refusals
             if found is not None:

@@ -99,6 +99,8 @@ class PinocchioKinematics:
             for number, (name, joint) in enumerate(zip(model.names, model.joints, strict=True))
             if number and joint.nv == 1  # number 0 is Pinocchio's own joint "universe"
         }
+        self._neutral: Array = pin.neutral(model)
+        self._places = {name: (joint.idx_q, joint.idx_v, joint.nq) for name, joint in self._joints.items()}
         self.joints: Mapping[str, JointRange] = {name: self._range(joint) for name, joint in self._joints.items()}
         bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
         self._frames = {str(frame.name): int(model.getFrameId(frame.name)) for frame in bodies}
@@ -127,7 +129,7 @@ class PinocchioKinematics:
         Raises:
             UnknownName: The robot has no such link or joint.
         """
-        frame, columns = self._frame(link), [self._joint(joint).idx_v for joint in joints]
+        frame, columns = self._frame(link), [self._column(joint) for joint in joints]
         whole = pin.computeFrameJacobian(self._model, self._fresh(), self._posture(positions), frame, pin.LOCAL)
         return np.asarray(whole[:, columns])
 
@@ -142,18 +144,18 @@ class PinocchioKinematics:
         Raises:
             UnknownName: The robot has no such joint.
         """
-        joints = [self._joint(name) for name in motion.joints]
-        indices = [joint.idx_v for joint in joints]
+        indices = [self._column(name) for name in motion.joints]
         velocities, accelerations = np.zeros(self._model.nv), np.zeros(self._model.nv)
         velocities[indices], accelerations[indices] = motion.velocities, motion.accelerations
         posture = self._posture(dict(zip(motion.joints, motion.positions, strict=True)))
         whole = pin.rnea(self._model, self._fresh(), posture, velocities, accelerations)
         return np.asarray(whole[indices])
 
-    def _joint(self, name: str) -> pin.JointModel:
-        if name not in self._joints:
-            raise UnknownName("joint", name, self._joints)
-        return self._joints[name]
+    def _column(self, joint: str) -> int:
+        """Returns the place of a joint among the velocities."""
+        if joint not in self._places:
+            raise UnknownName("joint", joint, self._places)
+        return self._places[joint][1]
 
     def _computed(self, positions: Mapping[str, float]) -> pin.Data:
         data = self._fresh()
@@ -167,13 +169,13 @@ class PinocchioKinematics:
         return self._data.own
 
     def _posture(self, positions: Mapping[str, float]) -> Array:
-        posture: Array = pin.neutral(self._model)
+        posture = self._neutral.copy()
         for name, position in positions.items():
-            joint = self._joints.get(name)
-            if joint is not None and joint.nq == 1:
-                posture[joint.idx_q] = position
-            elif joint is not None:  # a joint that turns without end
-                posture[joint.idx_q : joint.idx_q + 2] = math.cos(position), math.sin(position)
+            place, _, size = self._places.get(name, (0, 0, 0))
+            if size == 1:
+                posture[place] = position
+            elif size == 2:  # a joint that turns without end
+                posture[place : place + 2] = math.cos(position), math.sin(position)
         return posture
 
     def _range(self, joint: pin.JointModel) -> JointRange:

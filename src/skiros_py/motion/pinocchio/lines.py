@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 import pinocchio as pin
@@ -25,8 +28,19 @@ _ITERATIONS = 12
 _NEAR_LIMIT = 0.05  # [rad] a joint that is nearer to its limit is what ends a line
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """The next posture on a line and what speaks against it, besides what stands around; after a way of the tip [m]."""
+
+    posture: Array | None
+    fault: Fault | None = None
+    way: float = 0.0
+
+
 class Lines:
     """Follows lines of the tip, turning evenly (slerp).
+
+    The postures of a line do not depend on what stands around: they are found once, and checked each time.
 
     Args:
         arm: The kinematic model.
@@ -37,6 +51,7 @@ class Lines:
         self._arm = arm
         self._solver = solver
         self._middle = (arm.lower + arm.upper) / 2.0
+        self._known: dict[Hashable, tuple[list[_Step], Iterator[_Step]]] = {}
 
     def length(self, start: Array, goal: pin.SE3) -> float:
         """Returns the way of the tip from joint angles [rad] to a pose in the frame of the base [m]."""
@@ -60,40 +75,55 @@ class Lines:
     def _followed(
         self, start: Array, goal: pin.SE3, checker: Checker, end: Array | None = None, stride: int = 1
     ) -> Array | Fault:
+        key = start.tobytes(), goal.homogeneous.tobytes(), None if end is None else end.tobytes(), stride
+        if key not in self._known:
+            self._known[key] = [], self._steps(start, goal, end, stride)
+        known, further = self._known[key]
         postures = [start]
-        origin, length = self._arm.tip_pose(start), self.length(start, goal)
-        for share in (*_shares(origin, goal, length, stride), *np.ones(0 if end is None else _ARRIVAL)):
-            if share == 1.0 and end is not None and np.abs(postures[-1] - end).max() <= _ARRIVED:
-                break
-            near = self._middle if end is None else start + share * (end - start)
-            strength = _CENTRING if end is None else _APPROACH
-            target = _between(origin, goal, share)
-            posture = self._next(postures[-1], target, checker, near, strength, _LARGEST_JUMP * stride)
-            if isinstance(posture, Fault):
-                return Fault(posture.cause, f"{posture.reason}, {1000 * share * length:.0f} mm after its start")
-            postures.append(posture)
+        for step in chain(tuple(known), _kept(further, known)):
+            posture, fault = step.posture, step.fault
+            if posture is not None:
+                fault = checker.fault(posture) or fault
+                postures.append(posture)
+            if fault is not None:
+                return Fault(fault.cause, f"{fault.reason}, {1000 * step.way:.0f} mm after its start")
         return np.array(postures)
 
-    def _next(
-        self, previous: Array, target: pin.SE3, checker: Checker, near: Array, strength: float, jump: float
-    ) -> Array | Fault:
+    def _steps(self, start: Array, goal: pin.SE3, end: Array | None, stride: int) -> Iterator[_Step]:
+        """Yields the steps of a line, whatever stands around; the last one may have a fault."""
+        origin, length, posture = self._arm.tip_pose(start), self.length(start, goal), start
+        for share in (*_shares(origin, goal, length, stride), *np.ones(0 if end is None else _ARRIVAL)):
+            if share == 1.0 and end is not None and np.abs(posture - end).max() <= _ARRIVED:
+                return
+            near = self._middle if end is None else start + share * (end - start)
+            strength = _CENTRING if end is None else _APPROACH
+            step = self._next(posture, _between(origin, goal, share), near, strength, _LARGEST_JUMP * stride)
+            yield replace(step, way=share * length)
+            if step.posture is None or step.fault is not None:
+                return
+            posture = step.posture
+
+    def _next(self, previous: Array, target: pin.SE3, near: Array, strength: float, jump: float) -> _Step:
         posture = self._solver.solve(
             target.homogeneous, previous, towards=near, strength=strength, iterations=_ITERATIONS
         )
         if posture is None:
             left = np.minimum(previous - self._arm.lower, self._arm.upper - previous)
             if left.min() < _NEAR_LIMIT:
-                return Fault("limits", f"{self._arm.spec.joints[int(left.argmin())]} comes to its limit")
-            return Fault("reach", "the arm reaches no further")
+                return _Step(None, Fault("limits", f"{self._arm.spec.joints[int(left.argmin())]} comes to its limit"))
+            return _Step(None, Fault("reach", "the arm reaches no further"))
         if np.abs(posture - previous).max() > jump:
-            return Fault("singularity", "the arm would have to flip over")
-        fault = checker.fault(posture)
-        if fault is not None:
-            return fault
+            return _Step(None, Fault("singularity", "the arm would have to flip over"))
         _, jacobian = self._arm.tip_jacobian(posture)
         if float(np.linalg.svd(jacobian, compute_uv=False)[-1]) < _SINGULAR:
-            return Fault("singularity", "the arm is nearly stretched or folded, where joints turn fast")
-        return posture
+            return _Step(posture, Fault("singularity", "the arm is nearly stretched or folded, where joints turn fast"))
+        return _Step(posture)
+
+
+def _kept(further: Iterator[_Step], known: list[_Step]) -> Iterator[_Step]:
+    for step in further:
+        known.append(step)
+        yield step
 
 
 def _shares(origin: pin.SE3, goal: pin.SE3, length: float, stride: int) -> Array:

@@ -1,15 +1,18 @@
 """Searches the postures with which a route of straight and free motions can be executed.
 
-A free move to a pose leaves the choice of the posture, and the lines that follow it depend on that choice. So first
-chains of postures are built for all routes, each line followed and checked, the free moves only guessed as straight;
-then, from the shortest chain on, the free moves are planned: by joint interpolation, by a straight line, by a search.
+A free move to a pose leaves the choice of the posture, and the lines that follow it depend on that choice. So chains of
+postures are built for all routes, the shortest first, each line followed and checked, the free moves only guessed as
+straight; the free moves of those that are whole are planned: by joint interpolation, by a straight line, by a search.
 """
 
 from __future__ import annotations
 
+import heapq
 import math
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count, islice
 
 import numpy as np
 import pinocchio as pin
@@ -76,44 +79,61 @@ class Chain:
         return replace(self, legs=(*self.legs, leg), cost=self.cost + cost)
 
 
+class Postures:
+    """Finds the postures for poses, whatever stands around; those from random seeds once for each pose.
+
+    Args:
+        arm: The kinematic model.
+        solver: Inverse kinematics.
+        base: Pose of the robot's base in the map.
+        seed: Of all random choices.
+    """
+
+    def __init__(self, arm: ArmModel, solver: InverseKinematics, base: Pose, seed: int) -> None:
+        self._solver, self._limits = solver, (arm.lower, arm.upper)
+        self._to_base = se3(base.inverse())
+        self._rng = np.random.default_rng(seed)
+        self._known: dict[Pose, list[Array]] = {}
+
+    def in_base(self, pose: Pose) -> pin.SE3:
+        """Returns a pose in the map in the frame of the base."""
+        return self._to_base * se3(pose)
+
+    def near(self, pose: Pose, here: Array) -> list[Array]:
+        """Returns postures for a pose in the map, those first that are nearest to joint angles [rad]."""
+        target = self.in_base(pose).homogeneous
+        if pose not in self._known:
+            self._known[pose] = self._solver.branches(
+                target, here, self._limits, self._rng, count=_POSTURES, restarts=_SEEDS
+            )
+        nearest = self._solver.solve(target, here)
+        found = self._known[pose] if nearest is None else [nearest, *self._known[pose]]
+        return sorted(found, key=lambda posture: float(np.linalg.norm(posture - here)))[:_POSTURES]
+
+
 class RouteSearch:
     """Finds the best feasible route of one request.
 
     Args:
         arm: The kinematic model.
-        solver: Inverse kinematics.
         scene: Robot and obstacles.
-        base: Pose of the robot's base in the map.
-        seed: Of all random choices.
+        postures: Finds postures for poses.
         lines: Follows lines of the tip.
         moves: Plans the free moves.
-
-    Attributes:
-        refusals: Why what was tried is not possible, each reason once.
     """
 
     def __init__(
-        self,
-        arm: ArmModel,
-        solver: InverseKinematics,
-        scene: CollisionScene,
-        base: Pose,
-        seed: int,
-        lines: Lines,
-        moves: FreeMoves,
+        self, arm: ArmModel, scene: CollisionScene, postures: Postures, lines: Lines, moves: FreeMoves
     ) -> None:
-        self._arm, self._solver, self._scene, self._lines, self._moves = arm, solver, scene, lines, moves
-        self._to_base = se3(base.inverse())
-        self._rng = np.random.default_rng(seed)
+        self._arm, self._scene, self._postures, self._lines, self._moves = arm, scene, postures, lines, moves
         self._free = scene.checker(FREE_MARGIN)
         self._roomy = [scene.checker(margin) for margin in _ROOMY]
         self._refusals: dict[Refusal, None] = {}
-        self._known: dict[Pose, list[Array]] = {}
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
-        """Why what was tried is not possible."""
-        return tuple(self._refusals)
+        """Why what was tried is not possible, each reason once, in the order of routes and moves."""
+        return tuple(sorted(self._refusals, key=lambda one: (one.route, one.move)))
 
     def find(self, start: Array, routes: tuple[Route, ...]) -> Chain | None:
         """Returns the feasible chain with the least joint motion of those tried; None where none is.
@@ -122,17 +142,19 @@ class RouteSearch:
             start: Joint angles now [rad].
             routes: The alternatives.
         """
-        chains = [chain for index, route in enumerate(routes) for chain in self._chains(index, start, route)]
-        chains.sort(key=lambda chain: chain.cost)
+        chains, tried = self._chains(start, routes), list[Chain]()
         first, *others = self._moves.ways
-        some = _spread(chains, _OTHER_TRIES)
-        tries = ([first], chains[:_STRAIGHT_TRIES]), ([first, *others[:1]], some), ([first, *others], some)
-        planned = (self._planned(chain, ways) for ways, tried in tries for chain in tried)
-        return next((chain for chain in planned if chain is not None), None)
+        for chain in islice(chains, _STRAIGHT_TRIES):
+            if (planned := self._planned(chain, [first])) is not None:
+                return planned
+            tried.append(chain)
+        some = _spread([*tried, *chains], _OTHER_TRIES)
+        again = (self._planned(chain, ways) for ways in ([first, *others[:1]], [first, *others]) for chain in some)
+        return next((chain for chain in again if chain is not None), None)
 
     def reason(self, routes: tuple[Route, ...]) -> str:
         """Returns why the route that came furthest is not possible, for a person."""
-        order = furthest(self._refusals)
+        order = furthest(self.refusals)
         if order is None:
             return "there is no move to make"
         move = routes[order.route][order.move]
@@ -143,26 +165,34 @@ class RouteSearch:
     def _refuse(self, route: int, move: int, planner: str, fault: Fault) -> None:
         self._refusals[Refusal(route, move, planner, fault.cause, fault.reason, fault.touches)] = None
 
-    def _chains(self, index: int, start: Array, route: Route) -> list[Chain]:
-        """Returns chains of postures for a whole route, lines checked, free moves only guessed."""
-        chains = [Chain(index, start)]
-        for number, move in enumerate(route):
-            longer: list[Chain] = []
-            for chain in chains:
-                legs = self._legs(chain, move, first=number == 0)
-                if isinstance(legs, Fault):
-                    self._refuse(index, number, _LINE if isinstance(move, LineMove) else "", legs)
-                else:
-                    longer.extend(chain.then(leg) for leg in legs)
+    def _chains(self, start: Array, routes: tuple[Route, ...]) -> Iterator[Chain]:
+        """Yields chains of postures for whole routes, the shortest first, lines checked, free moves only guessed.
+
+        Only what is shorter than a whole chain is looked at before that is returned.
+        """
+        number, kept = count(), Counter[tuple[int, int]]()
+        waiting = [(0.0, next(number), Chain(index, start)) for index, route in enumerate(routes) if route]
+        while waiting:
+            _, _, chain = heapq.heappop(waiting)
+            route, done = routes[chain.route], len(chain.legs)
             # Postures are cut only when a free move follows: which of them can do the lines is not known before.
-            ends_segment = number + 1 == len(route) or not isinstance(route[number + 1], LineMove)
-            longer.sort(key=lambda chain: chain.cost)
-            chains = longer[:_BEAM] if ends_segment else longer
-        return chains if route else []
+            if done == len(route) or not isinstance(route[done], LineMove):
+                kept[chain.route, done] += 1
+                if kept[chain.route, done] > _BEAM:
+                    continue
+            if done == len(route):
+                yield chain
+                continue
+            legs = self._legs(chain, route[done], first=done == 0)
+            if isinstance(legs, Fault):
+                self._refuse(chain.route, done, _LINE if isinstance(route[done], LineMove) else "", legs)
+                continue
+            for longer in map(chain.then, legs):
+                heapq.heappush(waiting, (longer.cost, next(number), longer))
 
     def _legs(self, chain: Chain, move: Move, *, first: bool) -> Iterable[Leg] | Fault:
         if isinstance(move, LineMove):
-            goal = self._in_base(move.pose)
+            goal = self._postures.in_base(move.pose)
             lowest = min(float(pose.translation[2]) for pose in (goal, self._arm.tip_pose(chain.end)))
             checker = self._scene.checker(_LINE_MARGIN, move.touching, chain.end if first else None, lowest)
             postures = self._lines.follow(chain.end, goal, checker)
@@ -181,24 +211,12 @@ class RouteSearch:
             if beyond := self._arm.beyond_limits(postures[0], 0.0):
                 return Fault("limits", f"it would end with {beyond}")
         else:
-            target = self._in_base(move.pose)
-            postures = self._postures(move.pose, target, chain.end)
+            postures = self._postures.near(move.pose, chain.end)
             if not postures:
-                return self._unreachable(target)
+                return self._unreachable(self._postures.in_base(move.pose))
         faults = [self._free.fault(posture) for posture in postures]
         clear = [posture for posture, fault in zip(postures, faults, strict=True) if fault is None]
         return clear or faults[0] or []
-
-    def _postures(self, pose: Pose, target: pin.SE3, end: Array) -> list[Array]:
-        """Returns postures for a pose; those from random seeds are found once, whatever chain leads there."""
-        if pose not in self._known:
-            limits = self._arm.lower, self._arm.upper
-            self._known[pose] = self._solver.branches(
-                target.homogeneous, end, limits, self._rng, count=_POSTURES, restarts=_SEEDS
-            )
-        near = self._solver.solve(target.homogeneous, end)
-        found = self._known[pose] if near is None else [near, *self._known[pose]]
-        return sorted(found, key=lambda posture: float(np.linalg.norm(posture - end)))[:_POSTURES]
 
     def _unreachable(self, target: pin.SE3) -> Fault:
         away = float(np.linalg.norm(target.translation - self._arm.shoulder))
@@ -207,9 +225,6 @@ class RouteSearch:
             return Fault("reach", far)
         tried = f"({away:.2f} m from the shoulder, {_SEEDS} attempts)"
         return Fault("reach", f"no joint angles within the limits reach it {tried}")
-
-    def _in_base(self, pose: Pose) -> pin.SE3:
-        return self._to_base * se3(pose)
 
     def _planned(self, chain: Chain, ways: Sequence[str]) -> Chain | None:
         """Returns the chain with its free moves planned, each in the first of some ways that does it; or None."""

@@ -8,6 +8,7 @@ import weakref
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,7 @@ class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
         for action in self._before_step:
             action()
         self.client.stepSimulation()
+        self._forget_readings()
 
     # ------------------------------------------------------------------ what is in the world
 
@@ -193,7 +195,7 @@ class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
             robot = robots.get(index)
             return (names[index], "") if robot is None else (robot.name, robot.model.link_names[number])
 
-        return named
+        return cache(named)
 
     def apply_wrench(self, name: str, wrench: Wrench, *, at: Vector | None = None, link: str = "") -> None:
         """Applies a wrench during the next step."""
@@ -228,6 +230,10 @@ class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
         weakref.finalize(state, self._forget, number).atexit = False
         return state
 
+    def _forget_readings(self) -> None:
+        for robot in self.robots.values():
+            robot.model.readings = None
+
     def _forget(self, number: int) -> None:
         with suppress(DeviceError):  # the client is closed
             self.client.removeState(number)
@@ -237,6 +243,7 @@ class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
         match state:
             case _State(bodies, number) if bodies == tuple(self.bodies):
                 self.client.restoreState(number)
+                self._forget_readings()
             case _:
                 raise DeviceError("this state was saved with other bodies in the world")
 

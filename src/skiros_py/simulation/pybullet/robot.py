@@ -32,6 +32,7 @@ class RobotModel:
         body: PyBullet's id.
         movable: Numbers of all joints that are not fixed.
         links: Link numbers by name; the root is -1.
+        readings: What :meth:`read` has read since the last step; None if nothing.
     """
 
     def __init__(self, client: Client, urdf: Path, pose: Pose) -> None:
@@ -49,6 +50,14 @@ class RobotModel:
         self.links |= {info[12].decode(): info[0] for info in self.infos}
         self.link_names = {number: name for name, number in self.links.items()}
         self.movable: list[int] = [info[0] for info in self.infos if info[2] != client.JOINT_FIXED]
+        self.readings: dict[int, Any] | None = None
+
+    def read(self) -> Mapping[int, Any]:
+        """Returns the states of all movable joints, by number; they are read once after each step."""
+        if self.readings is None:
+            states = self.client.getJointStates(self.body, self.movable) if self.movable else ()
+            self.readings = dict(zip(self.movable, states, strict=True))
+        return self.readings
 
     def link(self, name: str) -> int:
         """Returns the number of a link.
@@ -128,10 +137,7 @@ class PyBulletRobot:
 
     def motion(self) -> tuple[float, ...]:
         """Returns position and velocity of each movable joint in turn."""
-        if not self.model.movable:
-            return ()
-        states = self.model.client.getJointStates(self.model.body, self.model.movable)
-        return tuple(value for state in states for value in state[:2])
+        return tuple(value for state in self.model.read().values() for value in state[:2])
 
     def _free_joints(self) -> None:
         """Removes the damping and the holding motors that PyBullet gives every joint of a new robot."""
@@ -157,6 +163,7 @@ class PyBulletJoints:
             if name not in model.numbers:
                 raise UnknownName("joint", name, model.numbers)
         self.names = names
+        self._model = model
         self._client = model.client
         self._body = model.body
         self._indices = [model.numbers[name] for name in names]
@@ -168,14 +175,15 @@ class PyBulletJoints:
 
     def read(self) -> JointReadings:
         """Reads the sensors."""
-        states = self._client.getJointStates(self._body, self._indices)
-        positions, velocities, _, efforts = zip(*states, strict=True)
+        states = self._model.read()
+        positions, velocities, _, efforts = zip(*(states[index] for index in self._indices), strict=True)
         return JointReadings(positions, velocities, efforts)
 
     def reset(self, positions: Sequence[float]) -> None:
         """Puts the joints to positions, at rest."""
         for index, position in zip(self._indices, positions, strict=True):
             self._client.resetJointState(self._body, index, position)
+        self._model.readings = None
 
     def hold_positions(
         self,

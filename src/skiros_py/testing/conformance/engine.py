@@ -118,10 +118,12 @@ class EngineContract(ABC):
 
     def test_reset_joints_are_there_at_rest(self, crane: SimulatedRobot) -> None:
         joints = crane.joints(("slew", "trolley"))
+        before = joints.read().positions
 
         joints.reset((math.pi / 2, 0.5))
         positions, velocities, _ = joints.read()
 
+        assert before == pytest.approx((0.0, 0.0))
         assert positions == pytest.approx((math.pi / 2, 0.5))
         assert velocities == pytest.approx((0.0, 0.0))
 
