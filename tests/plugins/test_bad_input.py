@@ -13,7 +13,7 @@ import pytest
 
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.grasp import Grasp
-from skiros_primitives.gripper import WatchGrasp
+from skiros_primitives.gripper import GripperControl, WatchGrasp
 from skiros_primitives.looking import RegisterPart
 from skiros_primitives.put_down import PutDown
 from skiros_py.devices.arm import ArmSpec, ArmState
@@ -37,7 +37,7 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import write_pose
 from skiros_skills import conditions
 from skiros_skills.drive import DRIVE_FAKE
-from skiros_skills.pick import PICK_FAKE
+from skiros_skills.pick import PICK, PICK_FAKE
 from skiros_skills.place import PLACE_FAKE
 
 PART = Pose((0.72, 0.0, 0.5))
@@ -201,6 +201,23 @@ def test_a_part_lost_while_driving_is_believed_on_the_floor_and_the_report_says_
         assert bench.world.placement("starter_1").place == "floor"
         assert "the fingers closed to 0 mm: starter_1 slipped out" in report.conditions[0].reason
         assert bench.cycle.board.still
+
+
+@pytest.mark.parametrize("lost", [True, False])
+def test_a_part_lost_while_a_pick_ends_is_not_believed_held_when_it_has_ended(lost: bool) -> None:
+    words = {one.name: one for one in vars(conditions).values() if isinstance(one, ConditionType)}
+    pick = replace(PICK_FAKE, post_sense=PICK.post_sense)
+    options = {"skills": (DRIVE_FAKE, pick), "primitives": (GripperControl, WatchGrasp), "conditions": words}
+    on_it = Says("gripper_1", GripperState(0.049, 15.0, True))
+    with cell(lambda spec: FaultyCell(FakeCell(spec), *(() if lost else (on_it,))), **options) as bench:
+        bench.managers.watch()
+        with bench.world.transaction("test", "made so") as tx:
+            tx.place("robot_1", v.AT, "pallet_a")
+
+        outcome = bench.run("pick", Object="starter_1")
+
+        assert isinstance(outcome, Failure if lost else Success)
+        assert bench.world.related("starter_1", v.HELD_BY, "gripper_1") != lost
 
 
 def test_a_camera_that_is_silent_for_a_second_is_asked_again() -> None:

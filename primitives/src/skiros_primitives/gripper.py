@@ -74,8 +74,8 @@ class GripperControl(Primitive[Any]):
 
 _TOLERANCE = 0.008
 """Fingers that close this much further than the part's width have lost it [m]."""
-_FOR = 0.1
-"""How long they must be that close [s]: a single reading is not sufficient."""
+_FOR = 0.05
+"""How long they must be that close [s]: a single reading is not sufficient; less than moving fingers takes."""
 
 
 class WatchGrasp(Primitive[Any]):

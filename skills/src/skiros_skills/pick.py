@@ -68,5 +68,7 @@ PICK = Skill(
             Do.of("move_arm", arm=P("Arm")),
         ),
     ),
+    # fingers that have lost the part meanwhile close, which is seen by what watches them
+    post_sense=Do.of("gripper_control", gripper=P("Gripper"), gap=0.0),
 )
 PICK_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")
