@@ -156,6 +156,7 @@ class Connections:
         if _STOP.match(newcomer.received):
             self._begin(newcomer)
             return
+        self.set_busy(newcomer)  # it waits for the server now, however long that takes
         self._ready.append(newcomer)
         if len(self._ready) == 1:
             self._loop.call_soon(self._begin_next)
@@ -193,7 +194,7 @@ class Connections:
             group.idle[connection] = None
             group.idle.move_to_end(connection)
 
-    def set_busy(self, connection: Connection) -> None:
+    def set_busy(self, connection: Client) -> None:
         """Marks a connection as having a request in progress."""
         for group in self._groups(connection):
             if group.idle.pop(connection, _ABSENT) is not _ABSENT:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import replace
@@ -18,12 +19,13 @@ STOP = b"POST /api/v1/stop HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n"
 
 
 class Clients:
-    """Clients of a listening socket, and the newcomers that were given a protocol."""
+    """Clients of a listening socket, and the newcomers that were given a protocol, which takes a time [s]."""
 
     def __init__(self, stack: ExitStack) -> None:
         self._stack = stack
         self.listening = stack.enter_context(closing(socket.create_server(("127.0.0.1", 0))))
         self.served: list[Newcomer] = []
+        self.takes = 0.0
 
     def connect(self, said: bytes = b"") -> socket.socket:
         """Opens a connection and sends something."""
@@ -43,6 +45,7 @@ class Clients:
 
         def make(newcomer: Newcomer) -> asyncio.Protocol:
             self.served.append(newcomer)
+            time.sleep(self.takes)
             return Protocol()
 
         async def run() -> None:
@@ -119,6 +122,17 @@ def test_a_stop_is_answered_before_requests_that_came_earlier(clients: Clients) 
         assert [bytes(one.received) for one in clients.served] == [STOP, *[HALF + REST] * 50]
 
     clients.run(ServerSettings(), act)
+
+
+def test_a_client_that_has_sent_its_header_is_not_late_because_the_server_is(clients: Clients) -> None:
+    clients.takes = 0.02
+
+    async def act(_connections: Connections) -> None:
+        for _ in range(80):
+            clients.connect(HALF + REST)
+        await clients.until_served(80)
+
+    clients.run(replace(ServerSettings(), header_seconds=0.1), act)
 
 
 def test_connections_without_a_header_are_closed_for_newer_ones_and_at_the_end(clients: Clients) -> None:
