@@ -422,7 +422,7 @@ def _fields_check(names: tuple[str, ...]) -> Callable[[Any], bool]:
     def found(value: Any) -> bool:
         for name in names:
             one = getattr(value, name)
-            kind = type(one)
+            kind: Any = type(one)
             if one != one if kind is float else kind not in _WITHOUT_NAN and _nan_check(kind)(one):
                 return True
         return False

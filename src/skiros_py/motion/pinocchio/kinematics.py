@@ -100,7 +100,9 @@ class PinocchioKinematics:
             if number and joint.nv == 1  # number 0 is Pinocchio's own joint "universe"
         }
         self._neutral: Array = pin.neutral(model)
-        self._places = {name: (joint.idx_q, joint.idx_v, joint.nq) for name, joint in self._joints.items()}
+        self._places: dict[str, tuple[int, int, int]] = {
+            name: (joint.idx_q, joint.idx_v, joint.nq) for name, joint in self._joints.items()
+        }
         self.joints: Mapping[str, JointRange] = {name: self._range(joint) for name, joint in self._joints.items()}
         bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
         self._frames = {str(frame.name): int(model.getFrameId(frame.name)) for frame in bodies}
