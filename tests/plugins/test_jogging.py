@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_primitives.arm_moves import even
 from skiros_primitives.jogging import JogBase, JogJoints, JogTool
+from skiros_primitives.playback import even
 from skiros_primitives.postures import MoveArm
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.mobile_base import BaseState

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_primitives.arm_moves import Playback
+from skiros_primitives.playback import Playback
 from skiros_py.devices.arm import ArmTarget
 from skiros_py.execution.task import RunClock
 from skiros_py.ports.motion import Trajectory

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import HandlingPrimitive, refused, reversed_way
+from skiros_primitives.arm_moves import HandlingPrimitive, refused
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
+from skiros_primitives.playback import reversed_way
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose

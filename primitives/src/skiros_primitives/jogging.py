@@ -11,8 +11,9 @@ import numpy as np
 import shapely
 
 from skiros_primitives import floor_obstacles
-from skiros_primitives.arm_moves import UNPLANNED_SPEED, ArmPrimitive, is_stowed
+from skiros_primitives.arm_moves import ArmPrimitive, is_stowed
 from skiros_primitives.driving import DrivingPrimitive
+from skiros_primitives.playback import UNPLANNED_SPEED
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
