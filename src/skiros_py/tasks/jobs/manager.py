@@ -7,7 +7,7 @@ control cycle. Running tasks are accessed in the control thread only.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
@@ -206,29 +206,26 @@ class JobManager:
         Raises:
             DiskFault: They cannot be stored; none was accepted.
         """
-        ids = [one.order.id for one in wanted]
-        there = self.store.there(ids)
-        checked = [_outcome(self._check, one, there) for one in wanted]
+        checked = [_outcome(self._check, one) for one in wanted]
         outcomes: list[Job | SkirosError] = []
         added: list[Job] = []
         with self._guard.command(waits=False):
-            there = self.store.there(ids)
             with self.store.together():
                 for one, found in zip(wanted, checked, strict=True):
-                    outcomes.append(found if isinstance(found, SkirosError) else _outcome(self._add, one, there, added))
+                    outcomes.append(found if isinstance(found, SkirosError) else _outcome(self._add, one, added))
             if added:
                 self._book.show(*added)
         return outcomes
 
-    def _check(self, wanted: Submission, there: Collection[str]) -> Job | None:
+    def _check(self, wanted: Submission) -> Job | None:
         """Checks an order without storing anything."""
-        known = self._known(wanted, there)
+        known = self._known(wanted)
         if known is None:  # otherwise its goal is not parsed again: the world has changed since
             self._parse(wanted.order.goal)
         return known
 
-    def _add(self, wanted: Submission, there: set[str], added: list[Job]) -> Job:
-        known = self._known(wanted, there)
+    def _add(self, wanted: Submission, added: list[Job]) -> Job:
+        known = self._known(wanted)
         if known is not None:
             if wanted.receipt is not None and self.store.known(wanted.receipt) is None:
                 self._book.note(wanted.receipt, known)
@@ -240,21 +237,13 @@ class JobManager:
             )
         job = self._book.add(wanted.order, start=wanted.start, comment=wanted.comment, receipt=wanted.receipt)
         added.append(job)
-        there.add(job.id)
         return job
 
-    def _known(self, wanted: Submission, there: Collection[str]) -> Job | None:
-        """Returns the job of a repeated order or request; None if both are new.
-
-        Args:
-            wanted: The order.
-            there: Those ids of the orders that jobs have or had.
-        """
+    def _known(self, wanted: Submission) -> Job | None:
+        """Returns the job of a repeated order or request; None if both are new."""
         order = wanted.order
         if wanted.receipt is not None and (before := self.store.known(wanted.receipt)) is not None:
             return before
-        if order.id not in there:
-            return None
         known = self._book.find(order.id)
         if known is None:
             _check_removed(order, None if wanted.again else self.store.removed(order.id))

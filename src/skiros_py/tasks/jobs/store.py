@@ -6,7 +6,7 @@ import json
 import logging
 import sqlite3
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -224,12 +224,6 @@ class JobStore:
         """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
         return self._database.read(f"job {job}", _JOB, *rows[0]) if rows else None
-
-    def there(self, ids: Sequence[str]) -> set[str]:
-        """Returns those of some ids that a job has, or had in the last days: all of them in one query."""
-        marks = ", ".join("?" * len(ids))
-        sql = f"SELECT id FROM jobs WHERE id IN ({marks}) UNION SELECT id FROM removed WHERE id IN ({marks})"  # noqa: S608
-        return {job for (job,) in self._database.rows(sql, (*ids, *ids))} if ids else set()
 
     def page(
         self,
