@@ -398,8 +398,10 @@ def main() -> int:
     figures: list[Figure] = []
     engines = arguments.simulation or [default_simulation()]
     for engine in engines:
-        trials = list(_run(campaign, drawn, engine, arguments.pictures, film=arguments.film))
-        which = f"{engine}: " if len(engines) > 1 else ""
+        several = len(engines) > 1
+        pictures = arguments.pictures / engine if arguments.pictures and several else arguments.pictures
+        trials = list(_run(campaign, drawn, engine, pictures, film=arguments.film))
+        which = f"{engine}: " if several else ""
         figures += [replace(figure, what=which + figure.what) for figure in campaign.figures(trials)]
     return finish(f"{campaign.name}, {len(drawn)} scenes", figures)
 

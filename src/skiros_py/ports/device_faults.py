@@ -435,8 +435,11 @@ _WITHOUT_NAN = {bool, int, str, type(None)}
 
 def _is_finite(values: Iterable[Any]) -> bool:
     """Returns True if the sum says that numbers, or rows of numbers, are finite; False where it does not say that."""
-    for flat in (values, chain.from_iterable(values)):
-        with suppress(Exception):  # of what cannot be added up
-            total = sum(flat)
+    with suppress(Exception):  # of what cannot be added up
+        total = sum(values)
+        return bool(total - total == 0.0)
+    if not any(issubclass(type(one), Mapping) for one in values):  # iterating over one gives its keys
+        with suppress(Exception):
+            total = sum(chain.from_iterable(values))
             return bool(total - total == 0.0)
     return False
