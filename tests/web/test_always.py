@@ -171,7 +171,8 @@ def test_a_stop_from_elsewhere_is_shown_with_its_author_and_reason(station, visi
     page = visit(served.url)
     expect(stop_button(page)).to_be_visible()
     with api(served) as http:
-        http.post("/stop", json={"reason": "a person is in the cell"}, headers={"X-Skiros-User": "door"})
+        answer = http.post("/stop", json={"reason": "a person is in the cell"}, headers={"X-Skiros-User": "door"})
+    assert answer.status_code == 200, answer.text
     banner = page.get_by_role("alert").filter(has_text="Everything is halted")
     expect(banner).to_contain_text("a person is in the cell")
     expect(banner).to_contain_text("door")

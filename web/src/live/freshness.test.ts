@@ -2,7 +2,7 @@ import { QueryObserver } from "@tanstack/react-query";
 import { answer, api } from "../api/client";
 import { queryClient } from "../api/queries";
 import i18n from "../i18n";
-import { emitEvent } from "./events";
+import { emitEvent, emitReset } from "./events";
 import { keepFresh } from "./freshness";
 
 let end = () => {};
@@ -77,6 +77,17 @@ test("a change during the first fetch causes another fetch", async () => {
   await vi.advanceTimersByTimeAsync(100);
   world = "after";
   await change({});
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(queryClient.getQueryData(["world", "slow"])).toBe(1);
+  end();
+});
+
+test("a reset during the first fetch causes another fetch", async () => {
+  let station = "before";
+  const { end } = slowly(() => (station === "before" ? 0 : 1));
+  await vi.advanceTimersByTimeAsync(100);
+  station = "after"; // while no event of it could be received
+  emitReset();
   await vi.advanceTimersByTimeAsync(1500);
   expect(queryClient.getQueryData(["world", "slow"])).toBe(1);
   end();

@@ -40,16 +40,17 @@ export function keepFresh(): () => void {
   let stale = new Set<string>();
   let pending = new Set<string>();
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const refresh = () => {
-    pending = invalidate(stale, pending);
+  const refresh = (isStale = (query: Query) => stale.has(String(query.queryKey[0]))) => {
+    pending = invalidate((query) => isStale(query) || pending.has(query.queryHash));
     stale = new Set();
+    clearTimeout(timer);
     timer = pending.size > 0 ? setTimeout(refresh, PAUSE) : undefined;
   };
   const markStale = (words: readonly string[]) => {
     for (const word of words) stale.add(word);
     timer ??= setTimeout(refresh, PAUSE);
   };
-  const invalidateAll = () => void queryClient.invalidateQueries();
+  const invalidateAll = () => refresh(() => true);
   const markWorded = () => markStale(WORDED);
   i18n.on("languageChanged", markWorded);
   const endings = [
@@ -64,13 +65,12 @@ export function keepFresh(): () => void {
 }
 
 /**
- * Invalidates queries by the first words of their keys or by their hashes; returns the hashes of those being fetched.
+ * Invalidates queries; returns the hashes of those being fetched.
  *
  * Those must be invalidated after their answer, which may predate the event. If they were cancelled at each event
- * instead, a slow query would never finish while robots work.
+ * instead, a slow query would never finish while robots work. A query's first fetch is never cancelled.
  */
-function invalidate(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<string> {
-  const isStale = ({ queryKey, queryHash }: Query) => words.has(String(queryKey[0])) || hashes.has(queryHash);
+function invalidate(isStale: (query: Query) => boolean): Set<string> {
   const busy = queryClient.getQueryCache().findAll({ predicate: isStale, fetchStatus: "fetching" });
   const fetching = new Set(busy.map(({ queryHash }) => queryHash));
   void queryClient.invalidateQueries({ predicate: (query) => isStale(query) && !fetching.has(query.queryHash) });
