@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
+from types import NoneType
 from typing import Any, Self
 
 _FIELD = re.compile(r"\{(\w+):?([^{}]*)\}")
@@ -79,19 +80,25 @@ def cut(text: str, most: int) -> str:
     return text if len(text) <= most else text[:most]
 
 
+_WITHOUT_MESSAGES = (str, int, float, bytes, NoneType)
+"""Most of what an answer holds; recognized faster than an abstract class."""
+
+
 def messages_in(value: object) -> dict[str, dict[str, Any]]:
     """Returns the data of all messages in a value made of mappings and lists, by their English text."""
-    match value:
-        case Message():
-            return {value: value.data}
-        case Mapping():
-            value = value.values()
-        case str() | bytes():
-            return {}
     found: dict[str, dict[str, Any]] = {}
-    for one in value if isinstance(value, Iterable) else ():
-        found |= messages_in(one)
+    _find_messages(value, found)
     return found
+
+
+def _find_messages(value: object, found: dict[str, dict[str, Any]]) -> None:
+    if isinstance(value, Message):
+        found[value] = value.data
+    elif isinstance(value, _WITHOUT_MESSAGES):
+        return
+    elif isinstance(value, Iterable):
+        for one in value.values() if isinstance(value, Mapping) else value:
+            _find_messages(one, found)
 
 
 def joined(separator: str, texts: Iterable[str]) -> Message:

@@ -11,7 +11,7 @@ from unified_planning.environment import Environment
 from unified_planning.io import PDDLReader
 
 import skiros_py
-from skiros_py.errors import UsageError
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.monitor import Status
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan
@@ -78,6 +78,17 @@ def test_an_impossible_goal_is_explained_in_the_words_of_the_operator(kitting: S
 
     assert isinstance(outcome, NoPlan)
     assert reason in outcome.reasons[0]
+
+
+def test_a_goal_is_parsed_again_when_the_world_has_changed() -> None:
+    with skiros_py.open("kitting", fake=True) as session:
+        before = session.parse(["InKit(Starter, kit_1)"])
+        assert session.parse(["InKit(Starter, kit_1)"]) is before
+        with pytest.raises(UnknownName):
+            session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
+        with session.world.transaction("test", "another") as tx:
+            tx.add("starter_9", "kit:Starter")
+        assert session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
 
 
 def test_putting_any_part_into_a_kit_takes_one_pick_and_one_place(kitting: Session) -> None:

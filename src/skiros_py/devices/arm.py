@@ -212,10 +212,10 @@ class SimulatedArm:
 
     def command(self, target: ArmTarget | None) -> None:
         """Follows a set-point for one cycle; None brakes and holds."""
-        if target is None:
-            self._brake()
-        else:
+        if target is not None:
             self._follow(target)
+        elif self._velocity.any():
+            self._brake()
         # The motor adds the speed during the coming step, so the place to correct towards is where that step begins.
         begin = self._reference - self._velocity * self._period
         self._joints.hold_positions(

@@ -367,7 +367,8 @@ class SimulatedBase:
         self._plane = robot.joints(BASE_JOINTS)
         self._wheels = robot.joints(_WHEELS)
         self._radius, self._track = _wheel_geometry(robot)
-        self._odometry = spec.start
+        self._x, self._y, self._z = spec.start.position
+        self._yaw = spec.start.yaw
         self._period = robot.engine.period
         self._linear = 0.0
         self._measured = 0.0
@@ -397,8 +398,12 @@ class SimulatedBase:
         force = fx * math.cos(yaw) + fy * math.sin(yaw)
         self._measured = linear
         still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
-        self._odometry @= _step(linear * self._period, angular * self._period)
-        return BaseState(self._odometry, linear, angular, still, force, torque)
+        turn = angular * self._period
+        heading = self._yaw + turn / 2.0  # the mean one of the cycle: exact for pure driving or turning
+        self._x += linear * self._period * math.cos(heading)
+        self._y += linear * self._period * math.sin(heading)
+        self._yaw += turn
+        return BaseState(Pose.of(self._x, self._y, self._z, yaw=self._yaw), linear, angular, still, force, torque)
 
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec

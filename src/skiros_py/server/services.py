@@ -13,6 +13,7 @@ from skiros_py.server.access.audit import AuditLog
 from skiros_py.server.access.authenticator import Authenticator, check_access
 from skiros_py.server.access.keys import KeyStore, open_access
 from skiros_py.server.monitoring import Metrics, job_events_logged
+from skiros_py.server.results import Results
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.streams import Streams
 from skiros_py.server.webhooks.sender import WebhookSender
@@ -38,6 +39,7 @@ class Services:
         audit: The log of changes and refusals, while it runs.
         streams: The event streams.
         metrics: The metrics of the server.
+        results: Awaits what other threads do.
         webhooks: Subscriptions and deliveries, while it runs.
     """
 
@@ -50,6 +52,7 @@ class Services:
         job_events_logged(station.events)
         self.streams = Streams(station.events, settings.streams, lambda caller: self.authenticator.recheck(caller))
         self.metrics = Metrics(station.control, station.events)
+        self.results = Results()
         self.webhooks: WebhookStore
         self._sender: WebhookSender | None = None
         station.control.on_open(lambda session: session.jobs.subscribe(lambda _job: self.send_webhooks()))

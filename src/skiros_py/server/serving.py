@@ -59,7 +59,7 @@ def _write(path: Path, text: str) -> None:
     new.replace(path)
 
 
-_SWITCH = 0.001
+_SWITCH = 0.0002
 """Switch interval of the interpreter [s]."""
 _GRACE = 3
 """Maximum wait for open connections (streams) at shutdown [s]."""

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -105,6 +105,10 @@ class Options:
             raise UsageError("planner: give its name or its command line, not both")
 
 
+_GOALS = 64
+"""Number of goals that are not parsed again before the world changes: a factory system orders the same ones."""
+
+
 class Session(AbstractContextManager["Session"]):
     """An open cell: world, robots, skill managers, planning, task manager. Close it, or use it in a ``with``.
 
@@ -146,6 +150,7 @@ class Session(AbstractContextManager["Session"]):
         self.options = options
         self.scene = scene
         self.catalogue = catalogue or load_catalogue()
+        self._parse = lru_cache(maxsize=_GOALS)(self._parse_at)
         try:
             self._open(scene)
             self._opened = True
@@ -273,6 +278,9 @@ class Session(AbstractContextManager["Session"]):
 
     def parse(self, texts: Sequence[str]) -> tuple[Condition, ...]:
         """Reads goal texts; see :func:`skiros_py.tasks.goals.parse_goal`."""
+        return self._parse(self.world.version, tuple(texts))
+
+    def _parse_at(self, _version: int, texts: Sequence[str]) -> tuple[Condition, ...]:
         return parse_goal(texts, self.world, self.catalogue.conditions)
 
     def on_plan(self, listener: Callable[[Planned], None]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -215,6 +216,14 @@ def test_close_listeners_run_in_reverse_order_even_if_one_raises(
 
     assert ends == ["third", "first"]
     assert "closing a session failed: second" in caplog.text
+
+
+def test_what_a_session_has_opened_is_not_searched_for_garbage_until_it_is_closed(start: Start) -> None:
+    before = gc.get_freeze_count()
+    control = start()
+    assert control.call(lambda _: gc.get_freeze_count()) > before + 10_000
+    control.close()
+    assert gc.get_freeze_count() == 0
 
 
 def test_a_halt_persists_into_the_next_session(start: Start) -> None:

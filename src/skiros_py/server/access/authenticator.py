@@ -57,6 +57,7 @@ class Authenticator:
         self.keys = keys
         self.logins = Logins()
         self._settings = settings
+        self._is_local = settings.is_local
         self._guesses = Rates(_GUESSES, 60.0)
 
     @property
@@ -64,7 +65,7 @@ class Authenticator:
         """True while every request needs a key."""
         wanted = self._settings.authentication
         if wanted == "auto":
-            return not self._settings.is_local or self.keys.needed
+            return not self._is_local or self.keys.needed
         return wanted == "keys"
 
     def caller(self, headers: Headers, address: str) -> Caller:

@@ -144,12 +144,11 @@ class Gate:
                 place.enter_context(self._orders.take(""))
                 request.state.place = place
                 patience = _PATIENCE_WITH_ORDERS
-            await self._turn()
             with self._requests.take(""):
                 if request.method not in SAFE:
                     body = await read_body(headers, receive, self._services.settings.body, patience)
                     receive = replayed(body, receive)
-                    await self._turn()
+                await self._turn()
                 await self._app(scope, receive, answer)
 
     async def _turn(self) -> None:

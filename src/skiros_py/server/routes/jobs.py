@@ -5,7 +5,6 @@ from __future__ import annotations
 import gzip
 import math
 import re
-from asyncio import wrap_future
 from typing import Annotated, Any
 
 from fastapi import Body, Depends, Header, Path, Query, Response
@@ -66,7 +65,7 @@ async def order_job(
     """
     key, holder = _key_of(idempotency_key), act.caller.key or act.caller.name
     ordered = act.station.jobs.order(order, start=start, again=again, key=key, author=act.author, holder=holder)
-    result = await wrap_future(ordered)
+    result = await act.services.results.of(ordered)
     if result.repeated:
         act.response.headers["Idempotency-Replayed"] = "true"
         act.response.status_code = 200
@@ -103,7 +102,7 @@ async def put_job(
         expects=seen.version if seen else None,
         author=act.author,
     )
-    result = await wrap_future(ordered)
+    result = await act.services.results.of(ordered)
     if not result.repeated:
         return await _taken(act, result.job, prefer)
     act.response.status_code = 200
