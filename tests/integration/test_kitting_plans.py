@@ -87,7 +87,7 @@ def test_a_goal_is_parsed_again_when_the_world_has_changed() -> None:
         with pytest.raises(UnknownName):
             session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
         with session.world.transaction("test", "another") as tx:
-            tx.add("starter_9", "kit:Starter")
+            tx.add("kitting:Starter", id="starter_9")
         assert session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
 
 
