@@ -16,6 +16,7 @@ from skiros_py.execution.monitor import Status
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.station.session import Options, Session
+from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
 
 SCENES = ["kitting", "kitting_carried"]
@@ -87,7 +88,7 @@ def test_a_goal_is_parsed_again_when_the_world_has_changed() -> None:
         with pytest.raises(UnknownName):
             session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
         with session.world.transaction("test", "another") as tx:
-            tx.add("kitting:Starter", id="starter_9")
+            tx.add("kitting:Starter", id="starter_9", placement=Placement("sk:in", "pallet_a"))
         assert session.parse(["ObjectAtLocation(starter_9, kit_1_a)"])
 
 
