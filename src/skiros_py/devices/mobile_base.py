@@ -36,6 +36,8 @@ _DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a b
 _HOLDING_FORCE = 600.0  # [N] and [N m]; what braked wheels hold by friction
 _SLOWED = 0.01  # [m/s, rad/s] a base this much slower than its drives were to make it is slowed from outside
 _YIELDING_FORCE = 40.0  # [N]; what its drives still exert where it has met something: it is pushed back
+_PUSHED_BACK = 0.15  # [m/s, rad/s]; where it is pushed back faster, it brakes
+_YIELDING_TIME = 0.5  # [s]; the swinging of its arms does not push it away for longer
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
 _WHEELS = ("wheel_left", "wheel_right")
@@ -375,6 +377,7 @@ class SimulatedBase:
         self._measured = BaseTwist(0.0, 0.0)
         self._is_still = True
         self._resisted: BaseTwist | None = None  # how it drove when something began to slow it
+        self._yields = 0.0  # for how long it still gives way [s]
         self._held: tuple[float, ...] | None = None
         self._standstill = Standstill(BASE_STILL)
         self._plane.reset((spec.start.position[0], spec.start.position[1], spec.start.yaw))
@@ -393,9 +396,9 @@ class SimulatedBase:
         """
         wanted = twist or BaseTwist(0.0, 0.0)
         self.spec.check(wanted)
-        if self._is_slowed():
-            self._resisted = BaseTwist(self._linear, self._angular)
-        elif self._is_still:
+        if self._resisted is None and self._is_slowed():
+            self._resisted, self._yields = BaseTwist(self._linear, self._angular), _YIELDING_TIME
+        elif self._is_still or self._yields <= 0.0:
             self._resisted = None
         if self._resisted is not None:
             self._let_go(self._resisted)
@@ -423,14 +426,17 @@ class SimulatedBase:
 
     def _let_go(self, resisted: BaseTwist) -> None:
         """Stops, and gives way to what pushes it back."""
-        self._linear = self._angular = 0.0
-        self._held = None
+        self._yields -= self._period
         measured = self._measured
+        self._linear, self._angular, self._held = measured.linear, measured.angular, None
         ahead = math.copysign(measured.linear, resisted.linear * measured.linear)
         around = math.copysign(measured.angular, resisted.angular * measured.angular)
-        drives_on = max(ahead, around) > _SLOWED
+        if max(ahead, around) > _SLOWED:
+            effort = _HOLDING_FORCE
+        else:
+            effort = _YIELDING_FORCE if min(ahead, around) > -_PUSHED_BACK else _DRIVE_FORCE
         self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
-        self._plane.drive_velocities((0.0, 0.0, 0.0), effort=_HOLDING_FORCE if drives_on else _YIELDING_FORCE)
+        self._plane.drive_velocities((0.0, 0.0, 0.0), effort=effort)
 
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec

@@ -104,6 +104,7 @@ class PyBulletRobot:
         self.model = RobotModel(engine.client, urdf, pose)
         self._links: dict[str, PyBulletLink] = {}
         self._soft = {self.model.link(link): softness for link, softness in soft_links(read_urdf(urdf)).items()}
+        self._shared: dict[int, int] = {}  # among how many points the stiffness of each soft link is shared now
         self._free_joints()
 
     @property
@@ -145,12 +146,12 @@ class PyBulletRobot:
         """
         for link, whole in self._soft.items():
             points = len(self.model.client.getContactPoints(bodyA=self.model.body, linkIndexA=link)) or _MOST_POINTS
-            self.model.client.changeDynamics(
-                self.model.body,
-                link,
-                contactStiffness=whole.stiffness / points,
-                contactDamping=whole.damping / points,
-            )
+            if points != self._shared.get(link):
+                self._shared[link] = points
+                stiffness, damping = whole.stiffness / points, whole.damping / points
+                self.model.client.changeDynamics(
+                    self.model.body, link, contactStiffness=stiffness, contactDamping=damping
+                )
 
     def motion(self) -> tuple[float, ...]:
         """Returns position and velocity of each movable joint in turn."""
