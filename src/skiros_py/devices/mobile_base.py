@@ -34,7 +34,8 @@ _SHORT = 0.002  # [m] a shorter way counts as none
 _ASIDE = 0.06  # [m] greatest distance from the line of a leg; paths keep a larger distance from obstacles
 _DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a base of this weight, and not to crush
 _HOLDING_FORCE = 600.0  # [N] and [N m]; what braked wheels hold by friction
-_SLOWED = 0.01  # [m/s, rad/s] a base this much slower than its drives were to make it is slowed from outside
+_SLOWED = 0.003  # [m/s] a base this much slower than its drives were to make it is slowed from outside
+_HINDERED = 0.02  # [rad/s] the same for turning
 _YIELDING_FORCE = 40.0  # [N]; what its drives still exert where it has met something: it is pushed back
 _PUSHED_BACK = 0.15  # [m/s, rad/s]; where it is pushed back faster, it brakes
 _YIELDING_TIME = 0.5  # [s]; the swinging of its arms does not push it away for longer
@@ -421,8 +422,11 @@ class SimulatedBase:
 
     def _is_slowed(self) -> bool:
         """Returns whether it is slower than its drives were to make it in the last cycle, which includes braking."""
-        lags = (self._linear, self._measured.linear), (self._angular, self._measured.angular)
-        return any(math.copysign(1.0, wanted) * (wanted - measured) > _SLOWED for wanted, measured in lags if wanted)
+        lags = (
+            (self._linear, self._measured.linear, _SLOWED),
+            (self._angular, self._measured.angular, _HINDERED),
+        )
+        return any(math.copysign(1.0, wanted) * (wanted - measured) > most for wanted, measured, most in lags if wanted)
 
     def _let_go(self, resisted: BaseTwist) -> None:
         """Stops, and gives way to what pushes it back."""
@@ -431,7 +435,7 @@ class SimulatedBase:
         self._linear, self._angular, self._held = measured.linear, measured.angular, None
         ahead = math.copysign(measured.linear, resisted.linear * measured.linear)
         around = math.copysign(measured.angular, resisted.angular * measured.angular)
-        if max(ahead, around) > _SLOWED:
+        if ahead > _SLOWED or around > _HINDERED:
             effort = _HOLDING_FORCE
         else:
             effort = _YIELDING_FORCE if min(ahead, around) > -_PUSHED_BACK else _DRIVE_FORCE
