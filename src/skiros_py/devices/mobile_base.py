@@ -393,7 +393,7 @@ class SimulatedBase:
         """Drives for one cycle; None brakes.
 
         A base that something from outside slows does not push on: it brakes as hard as it can, then lets itself be
-        pushed back until it stands. What is commanded counts from then on.
+        pushed back until it stands, for half a second at most. What is commanded counts from then on.
         """
         wanted = twist or BaseTwist(0.0, 0.0)
         self.spec.check(wanted)
