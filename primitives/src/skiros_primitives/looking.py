@@ -9,7 +9,6 @@ from itertools import product
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive, refused
-from skiros_primitives.floor_obstacles import rides
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_py.devices.camera import CameraSpec
@@ -201,12 +200,6 @@ class LookingPrimitive(ArmPrimitive):
         frame = map_pose(self.context, place)
         write_pose(tx, element, pose if frame is None else frame.inverse() @ pose, None if frame is None else place)
 
-    def is_known_to_ride(self, kit: str) -> bool:
-        """Returns whether a kit rides on the robot, and parts were seen in it: well enough known to go above it."""
-        pieces = self.world.objects(kit, v.HAS_A)
-        inside = (part for piece in pieces for part in self.world.subjects(v.IN, piece))
-        return rides(self.context, kit, self.robot) and any(map_pose(self.context, one) is not None for one in inside)
-
     def fit(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
         """Registers a kit, and finds at the same time in the same picture how what is held sits."""
         registering, looking = self.register(kit, believed, picture), self._look_at_held(picture[0])
@@ -260,15 +253,12 @@ class RegisterKit(LookingPrimitive):
         compartment: str | None = param(
             v.CONTAINER, "A compartment that must be empty; left out: none.", kind=Kind.OPTIONAL
         )
-        again: bool = param("boolean", "Whether to look even if it is looked into from above later on.", default=False)
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the believed pose."""
         kit, believed = self.params.kit, map_pose(self.context, self.params.kit)
         if believed is None:
             return Failure(Message("the position of {kit} is unknown", kit=kit))
-        if self.params.compartment is not None and not self.params.again and self.is_known_to_ride(kit):
-            return Success(Message("{kit} rides along since it was seen", kit=kit))
         place = map_pose(self.context, self.params.compartment) if self.params.compartment is not None else None
         shown, why = None if place is None else place.position, ""
         for attempt, aside in enumerate(_ASIDE, start=1):

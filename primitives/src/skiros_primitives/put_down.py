@@ -234,8 +234,6 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
 
     name: ClassVar[str] = "put_down"
     lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14, LIFTS[-1])
-    _unseen = False
-    """Whether the look from above the compartment is the first one into it: it has to show all then."""
 
     @dataclass(frozen=True, slots=True)
     class Params(PuttingParams):
@@ -257,22 +255,11 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             return [now @ pose for pose in places]
 
         kit = kit_of(self.world, compartment)
-        self._unseen = kit is not None and self.is_known_to_ride(kit)
         if kit is not None and self.world.stamp(kit).time > self.world.stamp(self.robot.id).time:
             self.fitted |= {kit}  # since the base arrived
         touching = frozenset({self.params.part, compartment})
         walls = float(solid.bounds()[1][2]) if solid is not None else 0.0
         return (yield from self.put(Spot(compartment, poses, touching, Placement(v.MAY_BE_IN, compartment), walls)))
-
-    def _plan(self, spot: Spot) -> Execution[tuple[int, float, MotionPlan | NoMotion]]:
-        """Plans as before; where it would come low over what it has not looked into, it looks first."""
-        chosen, lift, planned = yield from super()._plan(spot)
-        if self._unseen and lift <= self.lifts[-1]:
-            why = yield from self._look_again()
-            if why is not None:
-                return chosen, lift, NoMotion(why)
-            chosen, lift, planned = yield from super()._plan(spot)
-        return chosen, lift, planned
 
     def _places(self, region: Region) -> list[Pose]:
         """Release poses in the compartment: as taught, else in its centre, at the quarter turns at which it fits."""
@@ -290,7 +277,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         tool, legs = self.tools(spot)[chosen], planned.legs[1:]
         for attempt in range(_TRIES + len(_SIDES)):
             if attempt < _TRIES:
-                seen = yield from self._look(aside=attempt > 0 or self._unseen)
+                seen = yield from self._look(aside=attempt > 0)
                 if isinstance(seen, str):
                     return Failure(seen)
                 aimed, tool = tool, self.tools(spot)[chosen]
@@ -326,7 +313,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         Returns:
             Whether the arm is still where it was; a text: why nothing can be put there.
         """
-        compartment = self.params.compartment
+        camera, compartment = self.params.camera, self.params.compartment
         kit = kit_of(self.world, compartment)
         believed = map_pose(self.context, kit) if kit is not None else None
         if kit is None or believed is None:
@@ -335,20 +322,11 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         result = yield from self.fit(kit, believed, picture)
         if result.pose is None and not aside:
             return True
-        content = None if result.pose is None else (yield from self.content(compartment, picture))
-        if content is None and (result.pose is None or self._unseen):
-            why = yield from self._look_again()
-            return False if why is None else why
-        self._unseen = False
-        return content or True
-
-    def _look_again(self) -> Execution[str | None]:
-        """Looks at the kit and into the compartment from aside; returns why nothing can be put there."""
-        compartment = self.params.compartment
-        known = {"arm": self.params.arm, "camera": self.params.camera, "kit": kit_of(self.world, compartment)}
-        outcome = yield from self.call("register_kit", **known, compartment=compartment, again=True)
-        self._unseen = False
-        return outcome.reason if isinstance(outcome, Failure) else None
+        if result.pose is None:
+            known = {"arm": self.params.arm, "camera": camera, "kit": kit, "compartment": compartment}
+            outcome = yield from self.call("register_kit", **known)
+            return outcome.reason if isinstance(outcome, Failure) else False
+        return (yield from self.content(compartment, picture)) or True
 
 
 def fitting_quarters(half: Sequence[float], room: Sequence[float]) -> Sequence[int]:
