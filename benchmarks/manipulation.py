@@ -5,7 +5,8 @@
 Every figure is taken from the simulator: poses of bodies, contacts and their forces. Each miss is listed with the
 reason that the robot gave and what the truth shows. With ``--pictures`` there are pictures of each miss, and a sheet of
 all scenes; with ``--film`` an animation of the first. ``--simulation`` names an engine, and twice compares two.
-``--write`` writes the scenes instead, each in a folder of its own, to be run by ``skiros run``.
+``--write`` writes the scenes instead, each in a folder of its own, to be run by ``skiros run``. Ctrl+C ends it with the
+figures of the scenes so far.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import count
@@ -400,9 +402,17 @@ def main() -> int:
     for engine in engines:
         several = len(engines) > 1
         pictures = arguments.pictures / engine if arguments.pictures and several else arguments.pictures
-        trials = list(_run(campaign, drawn, engine, pictures, film=arguments.film))
+        trials: list[Trial] = []
+        with suppress(KeyboardInterrupt):
+            trials.extend(_run(campaign, drawn, engine, pictures, film=arguments.film))
         which = f"{engine}: " if several else ""
-        figures += [replace(figure, what=which + figure.what) for figure in campaign.figures(trials)]
+        if trials:
+            figures += [replace(figure, what=which + figure.what) for figure in campaign.figures(trials)]
+        if len(trials) < len(drawn):
+            figures.append(
+                Figure(f"{which}scenes run before it was interrupted", f"{len(trials)}", f"{len(drawn)}", False)
+            )
+            break
     return finish(f"{campaign.name}, {len(drawn)} scenes", figures)
 
 
