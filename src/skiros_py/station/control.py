@@ -361,7 +361,6 @@ class ControlThread:
         except BaseException:
             self._end(session)
             raise
-        gc.collect()
         gc.freeze()  # what was opened stays: searching it for garbage would hold up everything for 0.1 to 0.2 s
         self._stepped = time.monotonic()
         with self._ready:
