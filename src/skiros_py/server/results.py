@@ -34,7 +34,7 @@ class Results:
         self._done.append(waiting)
         if not self._is_woken:
             self._is_woken = True
-            with suppress(RuntimeError):  # the loop is closed: nobody waits any more
+            with suppress(RuntimeError):  # the loop is closed, and no caller waits
                 loop.call_soon_threadsafe(self._answer)
 
     def _answer(self) -> None:

@@ -50,7 +50,7 @@ def test_an_exception_is_raised_where_it_is_awaited_and_a_caller_that_is_gone_di
         gone, refused, answered = (asyncio.ensure_future(results.of(future)) for future in futures)
         await asyncio.sleep(0)
         gone.cancel()
-        futures[0].set_result("nobody asks")
+        futures[0].set_result("not asked for")
         futures[1].set_exception(ValueError("refused"))
         futures[2].set_result("answered")
         with pytest.raises(ValueError, match="refused"):
