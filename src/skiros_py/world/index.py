@@ -86,6 +86,7 @@ class Index(WorldView):
         self._subjects: Map[tuple[str, str], IdSet] = Map()
         self._placements: Map[str, Placement] = Map()
         self._guests: Map[tuple[str, str], IdSet] = Map()
+        self._placed_by: Map[tuple[str, str], int] = Map()  # how many of a class have a placement relation
         self._stamps: Map[str, Stamp] = Map()
 
     def copy(self) -> Index:
@@ -211,6 +212,16 @@ class Index(WorldView):
         """
         self.element(element_id)
         return self._placements.get(element_id)
+
+    def any_placed(self, class_: str, relation: str) -> bool:
+        """Returns True when exactly this placement relation holds for an element of a class or of its subclasses.
+
+        It may be one that is hidden from searches. Takes constant time per class.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return any((below, relation) in self._placed_by for below in self.ontology.subclasses(class_))
 
     # ------------------------------------------------------------ beyond the world view
 
@@ -348,11 +359,21 @@ class Index(WorldView):
         old = self._placements.get(element_id)
         if old is not None:
             self._guests = _discard(self._guests, (old.relation, old.place), element_id)
+        before, after = (None if one is None else one.relation for one in (old, placement))
+        if before != after:
+            self._count(element_id, before, -1)
+            self._count(element_id, after, 1)
         if placement is not None:
             self._placements = self._placements.set(element_id, placement)
             self._guests = _insert(self._guests, (placement.relation, placement.place), element_id)
         elif old is not None:
             self._placements = self._placements.delete(element_id)
+
+    def _count(self, element_id: str, relation: str | None, more: int) -> None:
+        if relation is not None and not is_abstract(element_id):
+            key = self._elements[element_id].type, relation
+            count = self._placed_by.get(key, 0) + more
+            self._placed_by = self._placed_by.set(key, count) if count else self._placed_by.delete(key)
 
     def put_relation(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
         """Lets a relation, no placement, hold or not."""

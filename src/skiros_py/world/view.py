@@ -163,6 +163,16 @@ class WorldView:
         """
         return self._base.placement(element_id)
 
+    def any_placed(self, class_: str, relation: str) -> bool:
+        """Returns True when exactly this placement relation holds for an element of a class or of its subclasses.
+
+        It may be one that is hidden from searches.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.any_placed(class_, relation)
+
     def forked(self) -> tuple[WorldView, Index]:
         """Returns a view of the same kind on a copy of its state, and that copy, which may be changed; cheap."""
         other = copy(self)

@@ -36,6 +36,14 @@ def test_some_instances_are_the_first_of_all_instances(view: WorldView, class_: 
 
 
 @pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
+@given(class_=classes, relation=st.sampled_from(["sk:in", "sk:on", "sk:heldBy", "sk:at"]))
+def test_any_placed_tells_what_the_placements_tell(view: WorldView, class_: str, relation: str) -> None:
+    placements = map(view.placement, view.instances(class_))
+
+    assert view.any_placed(class_, relation) is any(at is not None and at.relation == relation for at in placements)
+
+
+@pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
 def test_instances_among_filters_ids_by_class(view: WorldView) -> None:
     ids = ("slot_1", "red_ball_1", "ball_103", "ball_100")
 

@@ -11,6 +11,7 @@ import math
 import tempfile
 from collections.abc import Iterator
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -743,6 +744,9 @@ class WorldMachine(RuleBasedStateMachine):
             assert view.instances(class_) == tuple(n for n in of_class if not learned(n))
             assert view.abstracts(class_) == tuple(n for n in of_class if learned(n))
         places = {name: model.place_of(name) for name in model.types}
+        for class_, relation in product(("sk:Element", "sk:Container", *CLASSES), PLACEMENTS):
+            placed = [at for n, at in places.items() if is_a(model.types[n], class_) and not learned(n)]
+            assert view.any_placed(class_, relation) is any(at and at.relation == relation for at in placed)
         values: dict[str, dict[str, Any]] = {name: {} for name in model.types}
         for (name, property_), value in model.values.items():
             values[name][property_] = value

@@ -200,8 +200,7 @@ def possible_variants(actions: Iterable[Action], view: WorldView) -> tuple[Actio
     def may_be(class_: str, relation: str) -> bool:
         if any(ontology.overlap(class_, other) for other in brought.get(relation, ())):
             return True
-        placements = (view.placement(thing) for thing in view.instances(class_))
-        return any(placement is not None and placement.relation == relation for placement in placements)
+        return view.any_placed(class_, relation)
 
     possible = [a for a in drafts if all(may_be(m, p.predicate) for m, p in _moved(a, a.pre, ontology))]
     there = {action.skill for action in possible}

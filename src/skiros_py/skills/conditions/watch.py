@@ -112,6 +112,11 @@ class ReadingView(WorldView):
         self.keys |= {("is", element_id), ("place", element_id)}
         return self._base.placement(element_id)
 
+    def any_placed(self, class_: str, relation: str) -> bool:
+        """Returns True when exactly this placement relation holds for an element of a class."""
+        placements = map(self.placement, self.instances(class_))
+        return any(one is not None and one.relation == relation for one in placements)
+
 
 def touched_by(edit: Edit, ontology: Ontology) -> Iterator[Key]:
     """Yields what an edit changes, as it would be read."""
