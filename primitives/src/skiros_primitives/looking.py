@@ -343,6 +343,18 @@ _IN_SIGHT = math.radians(20.0)
 _UNKNOWN_SHAPE = Message("something of unknown shape")
 
 
+def looks_into(camera: Pose, place: Pose) -> bool:
+    """Returns whether a camera looks steeply down into a compartment, which is near the middle of its picture.
+
+    Args:
+        camera: The camera, which looks along its z axis.
+        place: The compartment, whose z axis points upwards, in the same frame.
+    """
+    x, y, z = (camera.inverse() @ place).position
+    steep = float((place.inverse() @ camera).matrix()[2, 2]) < -math.cos(_ALIGNED)
+    return steep and math.hypot(x, y) < math.tan(_IN_SIGHT) * z
+
+
 class VerifyPlace(LookingPrimitive):
     """Only parts seen in the compartment are believed to be in it; others are looked for around it."""
 
@@ -383,10 +395,7 @@ class VerifyPlace(LookingPrimitive):
         place = map_pose(self.context, compartment)
         if place is None:
             return False
-        camera = self.context.frames.at(self.context.board.snapshot).located(self.params.camera)
-        x, y, z = (camera.inverse() @ place).position
-        steep = abs((place.inverse() @ camera).matrix()[2, 2]) > math.cos(_ALIGNED)
-        return steep and z > 0.0 and math.hypot(x, y) < math.tan(_IN_SIGHT) * z
+        return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.params.camera), place)
 
     def _look_into(
         self, compartment: str, kit: str | None, attempt: int
