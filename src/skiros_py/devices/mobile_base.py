@@ -221,7 +221,7 @@ _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
 _SHARE = 0.95
 """Share of each limit that is planned with; the rest is left for corrections."""
-_BLIND = 0.3
+_BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
