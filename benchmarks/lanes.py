@@ -226,7 +226,7 @@ def _meet(session: Session, lane: Lane, disturb: Callable[[Session, float], None
 
 _SPARE = 0.1
 """By how much passages are wider than the robot [m]."""
-_WIDTH = 0.56
+_WIDTH = 0.61
 """Width of the robot [m]."""
 _ENDLESS = 12.0
 """Length of the walls beside a passage: there is no way around them [m]."""

@@ -451,7 +451,7 @@ def unknown(seed: int) -> Scene:
     return Scene(f"unknown_{seed}", seed, kind, types, tuple(text), (goal,))
 
 
-WIDTH = 0.56
+WIDTH = 0.61
 """Width of the robot [m]."""
 
 

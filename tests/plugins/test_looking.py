@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from skiros_primitives.looking import LookingParams, LookingPrimitive
+from skiros_primitives.looking import LookingParams, LookingPrimitive, looks_into
 from skiros_primitives.part_models import downward
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import Held
@@ -73,3 +73,22 @@ def test_a_camera_that_is_where_it_should_be_need_not_move() -> None:
     assert Looking(there).from_where([0, 2, 3]) is None
     assert Looking(Pose((0.03, 0.0, 0.0)) @ there).from_where([1]) is None
     assert Looking(there @ Pose.of(0.0, 0.0, 0.0, roll=math.radians(5.0))).from_where([1]) is None
+
+
+PLACE = Pose.of(1.0, 0.5, 0.8, yaw=0.7)
+
+
+@pytest.mark.parametrize(
+    ("camera", "seen"),
+    [
+        (Pose.of(0.0, 0.0, 0.3, roll=math.pi), True),
+        (Pose.of(0.05, -0.05, 0.3, roll=math.pi), True),
+        (Pose.of(0.15, 0.0, 0.3, roll=math.pi), False),
+        (Pose.of(0.0, 0.0, 0.3, roll=math.pi - 0.2), False),
+        (Pose.of(0.0, 0.0, -0.3), False),
+        (Pose.of(0.0, 0.0, -0.3, roll=math.pi), False),
+    ],
+    ids=["above", "a little aside", "far aside", "tilted", "from below, upwards", "below, downwards"],
+)
+def test_a_place_is_looked_into_without_a_motion_only_steeply_from_above(camera: Pose, seen: bool) -> None:
+    assert looks_into(PLACE @ camera, PLACE) is seen

@@ -111,6 +111,8 @@ class ArmPrimitive(Primitive[Any]):
 
     touched = False
     """True once the arm has met something."""
+    fitted: frozenset[str] = frozenset()
+    """Ids of what was fitted to a picture from where the base stands."""
 
     @property
     def arm(self) -> Arm:
@@ -272,15 +274,16 @@ class ArmPrimitive(Primitive[Any]):
     def _error(self, thing: Obstacle) -> float:
         """Returns how far beside its believed place something may be for the arm: the localiser's error [m].
 
-        What was seen or felt from here has that error, too, and so none for the arm. What the arm has met shows that
-        the error is larger than usual.
+        What was seen, fitted or felt from here has that error, too, and so none for the arm. What the arm has met
+        shows that the error is larger than usual.
         """
         type_ = self.world.element(thing.id).type if self.world.has(thing.id) else ""
         seen = any(self.world.ontology.is_a(type_, class_) for class_ in (MANIPULATABLE, OBSTACLE))
         if seen or rides(self.context, thing.id, self.robot):
             return 0.0
         noise = (math.hypot(one.position_noise, _LENGTH * one.heading_noise) for one in self.robot.of(LocaliserSpec))
-        return _SIGMAS * max(noise, default=0.0) * (1 + self.context.tried.options[_met(thing.id), 0])
+        met = self.context.tried.options[_met(thing.id), 0]
+        return _SIGMAS * max(noise, default=0.0) * (met + (thing.id not in self.fitted))
 
     def follow(
         self,

@@ -27,7 +27,7 @@ from skiros_py.ports.perception import (
     RegistrationResult,
 )
 from skiros_py.ports.values import DepthImage
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose, solid_of
@@ -172,6 +172,7 @@ class LookingPrimitive(ArmPrimitive):
             reason = Message("fitted within {cost:.1f} mm", cost=result.cost * 1000.0)
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 write_pose(tx, kit, own, frame)
+            self.fitted |= {kit}
         return result
 
     def content(self, compartment: str, picture: tuple[DepthImage, Pose]) -> Execution[str | None]:
@@ -199,17 +200,27 @@ class LookingPrimitive(ArmPrimitive):
         frame = map_pose(self.context, place)
         write_pose(tx, element, pose if frame is None else frame.inverse() @ pose, None if frame is None else place)
 
-    def look_at_held(self, image: DepthImage) -> Execution[None]:
-        """Looks in a picture how what is held sits now, which may have slid on the way."""
+    def fit(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
+        """Registers a kit, and finds at the same time in the same picture how what is held sits."""
+        registering, looking = self.register(kit, believed, picture), self._look_at_held(picture[0])
+        result, looked = tick(registering), tick(looking)
+        while result is None or looked is None:
+            yield
+            result, looked = result or tick(registering), looked or tick(looking)
+        return result
+
+    def _look_at_held(self, image: DepthImage) -> Execution[bool]:
+        """Looks how what is held sits now, which may have slid on the way; returns True."""
         holding = held_by(self.context, self.gripper_id)
         if holding is None:
-            return
+            return True
         part, held = holding
         found = yield from self.how_it_sits(image, self.params.camera, part, held.pose)
         if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
             slid = found.pose.distance(held.pose) * 1e3
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
                 write_pose(tx, part, found.pose, self.gripper_id)
+        return True
 
 
 def _yaw(base: Pose, view: int) -> float:
@@ -256,7 +267,7 @@ class RegisterKit(LookingPrimitive):
             if isinstance(picture, NoMotion):
                 why = why or picture.reason
                 continue
-            result = yield from self.register(kit, believed, picture)
+            result = yield from self.fit(kit, believed, picture)
             if result.pose is None:
                 why = why or result.reason
                 continue
@@ -266,7 +277,6 @@ class RegisterKit(LookingPrimitive):
                     continue  # what is held hides it
                 if content:
                     return Failure(content)
-            yield from self.look_at_held(picture[0])
             moved = result.pose.distance(believed) * 1e3
             return Success(Message("{kit} is {moved:.0f} mm from where it was believed", kit=kit, moved=moved))
         return self.in_vain(Message("{kit} is not recognised where it should be: {why}", kit=kit, why=why))
@@ -327,8 +337,22 @@ class RegisterPart(LookingPrimitive):
         return self.in_vain(reason)
 
 
-_LOOKS = 2
+_LOOKS = 3
+_IN_SIGHT = math.radians(20.0)
+"""Greatest angle from the middle of a picture at which something is looked at without moving."""
 _UNKNOWN_SHAPE = Message("something of unknown shape")
+
+
+def looks_into(camera: Pose, place: Pose) -> bool:
+    """Returns whether a camera looks steeply down into a compartment, which is near the middle of its picture.
+
+    Args:
+        camera: The camera, which looks along its z axis.
+        place: The compartment, whose z axis points upwards, in the same frame.
+    """
+    x, y, z = (camera.inverse() @ place).position
+    steep = float((place.inverse() @ camera).matrix()[2, 2]) < -math.cos(_ALIGNED)
+    return steep and math.hypot(x, y) < math.tan(_IN_SIGHT) * z
 
 
 class VerifyPlace(LookingPrimitive):
@@ -344,10 +368,10 @@ class VerifyPlace(LookingPrimitive):
         compartment: str = param(v.CONTAINER, "Where it should be.")
 
     def execute(self) -> Execution[Outcome]:
-        """Looks, at most twice; the second time where the kit is seen to be, and around."""
+        """Looks, first from where the arm is, then from above; at last where the kit is seen to be, and around."""
         part, compartment = self.params.part, self.params.compartment
         kit, wanted = kit_of(self.world, compartment), self.world.element(part).type
-        for attempt in range(_LOOKS):
+        for attempt in range(0 if self._is_in_sight(compartment) else 1, _LOOKS):
             seen_from = yield from self._look_into(compartment, kit, attempt)
             if isinstance(seen_from, Failure):
                 return seen_from
@@ -366,18 +390,27 @@ class VerifyPlace(LookingPrimitive):
                     return self._astray(place, pose)
         return self._deny(strange=any(d.type is None for d in look.detections))
 
+    def _is_in_sight(self, compartment: str) -> bool:
+        """Returns whether the camera looks steeply down into a compartment from where the arm is after the retreat."""
+        place = map_pose(self.context, compartment)
+        if place is None:
+            return False
+        return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.params.camera), place)
+
     def _look_into(
         self, compartment: str, kit: str | None, attempt: int
     ) -> Execution[tuple[Region, tuple[DepthImage, Pose]] | Failure]:
-        """Takes a picture of a compartment; from the second on, the kit is first looked for in it."""
+        """Takes a picture of a compartment, the first from where the arm is; in the last one it looks for the kit."""
         region = inner_region(self.context, compartment)
         if isinstance(region, str):
             return Failure(region)
         x, y, surface = region.pose.position
-        picture = yield from self.look_down((x + 0.03 * attempt, y, surface))
+        if attempt == 0:
+            return region, (yield from self.capture())
+        picture = yield from self.look_down((x + 0.03 * (attempt - 1), y, surface))
         if isinstance(picture, NoMotion):
             return refused(picture)
-        believed = map_pose(self.context, kit) if kit is not None and attempt else None
+        believed = map_pose(self.context, kit) if kit is not None and attempt > 1 else None
         if kit is not None and believed is not None:
             yield from self.register(kit, believed, picture)
         now = inner_region(self.context, compartment)

@@ -254,6 +254,9 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             now = map_pose(self.context, compartment) or region.pose
             return [now @ pose for pose in places]
 
+        kit = kit_of(self.world, compartment)
+        if kit is not None and self.world.stamp(kit).time > self.world.stamp(self.robot.id).time:
+            self.fitted |= {kit}  # since the base arrived
         touching = frozenset({self.params.part, compartment})
         walls = float(solid.bounds()[1][2]) if solid is not None else 0.0
         return (yield from self.put(Spot(compartment, poses, touching, Placement(v.MAY_BE_IN, compartment), walls)))
@@ -316,14 +319,13 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         if kit is None or believed is None:
             return True
         picture = yield from self.capture()
-        result = yield from self.register(kit, believed, picture)
+        result = yield from self.fit(kit, believed, picture)
         if result.pose is None and not aside:
             return True
         if result.pose is None:
             known = {"arm": self.params.arm, "camera": camera, "kit": kit, "compartment": compartment}
             outcome = yield from self.call("register_kit", **known)
             return outcome.reason if isinstance(outcome, Failure) else False
-        yield from self.look_at_held(picture[0])
         return (yield from self.content(compartment, picture)) or True
 
 

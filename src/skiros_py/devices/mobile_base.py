@@ -34,7 +34,11 @@ _SHORT = 0.002  # [m] a shorter way counts as none
 _ASIDE = 0.06  # [m] greatest distance from the line of a leg; paths keep a larger distance from obstacles
 _DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a base of this weight, and not to crush
 _HOLDING_FORCE = 600.0  # [N] and [N m]; what braked wheels hold by friction
-_SLIP = 0.05  # [m/s] the commanded speed is at most this far ahead of the measured one
+_SLOWED = 0.003  # [m/s] a base this much slower than its drives were to make it is slowed from outside
+_HINDERED = 0.02  # [rad/s] the same for turning
+_YIELDING_FORCE = 40.0  # [N]; what its drives still exert where it has met something: it is pushed back
+_PUSHED_BACK = 0.15  # [m/s, rad/s]; where it is pushed back faster, it brakes
+_YIELDING_TIME = 0.5  # [s]; the swinging of its arms does not push it away for longer
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
 _WHEELS = ("wheel_left", "wheel_right")
@@ -217,7 +221,7 @@ _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
 _SHARE = 0.95
 """Share of each limit that is planned with; the rest is left for corrections."""
-_BLIND = 0.3
+_BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
@@ -371,8 +375,11 @@ class SimulatedBase:
         self._yaw = spec.start.yaw
         self._period = robot.engine.period
         self._linear = 0.0
-        self._measured = 0.0
         self._angular = 0.0
+        self._measured = BaseTwist(0.0, 0.0)
+        self._is_still = True
+        self._resisted: BaseTwist | None = None  # how it drove when something began to slow it
+        self._yields = 0.0  # for how long it still gives way [s]
         self._held: tuple[float, ...] | None = None
         self._standstill = Standstill(BASE_STILL)
         self._plane.reset((spec.start.position[0], spec.start.position[1], spec.start.yaw))
@@ -384,8 +391,21 @@ class SimulatedBase:
         return max(spec.max_linear / spec.max_linear_acceleration, spec.max_angular / spec.max_angular_acceleration)
 
     def command(self, twist: BaseTwist | None) -> None:
-        """Drives for one cycle; None brakes."""
-        self._limit(twist or BaseTwist(0.0, 0.0))
+        """Drives for one cycle; None brakes.
+
+        A base that something from outside slows does not push on: it brakes as hard as it can, then lets itself be
+        pushed back until it stands, for half a second at most. What is commanded counts from then on.
+        """
+        wanted = twist or BaseTwist(0.0, 0.0)
+        self.spec.check(wanted)
+        if self._resisted is None and self._is_slowed():
+            self._resisted, self._yields = BaseTwist(self._linear, self._angular), _YIELDING_TIME
+        elif self._is_still or self._yields <= 0.0:
+            self._resisted = None
+        if self._resisted is not None:
+            self._let_go(self._resisted)
+            return
+        self._limit(wanted)
         if self._linear == 0.0 and self._angular == 0.0:
             self._stand()
         else:
@@ -396,8 +416,8 @@ class SimulatedBase:
         (_, _, yaw), (vx, vy, angular), (fx, fy, torque) = self._plane.read()
         linear = vx * math.cos(yaw) + vy * math.sin(yaw)
         force = fx * math.cos(yaw) + fy * math.sin(yaw)
-        self._measured = linear
-        still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
+        self._measured = BaseTwist(linear, angular)
+        self._is_still = still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
         turn = angular * self._period
         heading = self._yaw + turn / 2.0  # the mean one of the cycle: exact for pure driving or turning
         self._x += linear * self._period * math.cos(heading)
@@ -405,14 +425,33 @@ class SimulatedBase:
         self._yaw += turn
         return BaseState(Pose.of(self._x, self._y, self._z, yaw=self._yaw), linear, angular, still, force, torque)
 
+    def _is_slowed(self) -> bool:
+        """Returns whether it is slower than its drives were to make it in the last cycle, which includes braking."""
+        lags = (
+            (self._linear, self._measured.linear, _SLOWED),
+            (self._angular, self._measured.angular, _HINDERED),
+        )
+        return any(math.copysign(1.0, wanted) * (wanted - measured) > most for wanted, measured, most in lags if wanted)
+
+    def _let_go(self, resisted: BaseTwist) -> None:
+        """Stops, and gives way to what pushes it back."""
+        self._yields -= self._period
+        measured = self._measured
+        self._linear, self._angular, self._held = measured.linear, measured.angular, None
+        ahead = math.copysign(measured.linear, resisted.linear * measured.linear)
+        around = math.copysign(measured.angular, resisted.angular * measured.angular)
+        if ahead > _SLOWED or around > _HINDERED:
+            effort = _HOLDING_FORCE
+        else:
+            effort = _YIELDING_FORCE if min(ahead, around) > -_PUSHED_BACK else _DRIVE_FORCE
+        self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
+        self._plane.drive_velocities((0.0, 0.0, 0.0), effort=effort)
+
     def _limit(self, twist: BaseTwist) -> None:
         spec = self.spec
-        spec.check(twist)
         linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
         angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
-        step = spec.max_linear_acceleration * self._period
-        self._linear = approach(self._linear, linear, step)
-        self._linear = min(max(self._linear, self._measured - _SLIP - step), self._measured + _SLIP + step)
+        self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)
         self._angular = approach(self._angular, angular, spec.max_angular_acceleration * self._period)
 
     def _roll(self) -> None:

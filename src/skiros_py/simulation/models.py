@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 
@@ -98,6 +98,29 @@ def read_urdf(urdf: Path) -> ET.Element:
     if gone:
         raise DescriptionError(f"{urdf}: there is no mesh {', '.join(sorted(gone))} beside the model")
     return robot
+
+
+class Softness(NamedTuple):
+    """How a link gives way where something presses on it, however many points of it are touched.
+
+    Attributes:
+        stiffness: Force per depth [N/m].
+        damping: Force per speed [N s/m].
+    """
+
+    stiffness: float
+    damping: float
+
+
+def soft_links(robot: ET.Element) -> dict[str, Softness]:
+    """Returns how the links of a robot model give way that have a ``contact`` with stiffness and damping."""
+    found = {}
+    for link in robot.iter("link"):
+        stated = [link.find(f"contact/{name}") for name in ("stiffness", "damping")]
+        values = [float(one.get("value", "0")) for one in stated if one is not None]
+        if len(values) == len(stated):
+            found[link.get("name", "")] = Softness(*values)
+    return found
 
 
 def robot_spec(urdf: Path, *, visuals: bool) -> mujoco.MjSpec:

@@ -17,7 +17,7 @@ from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Held, JointMove, LineMove, MotionPlan, MotionRequest, Obstacle, PoseMove, Route
 
-FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+FOOTPRINT = ((-0.525, -0.305), (0.345, -0.305), (0.345, 0.305), (-0.525, 0.305))
 HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)
 EDGE = 0.22 + 0.26  # x of the near edge of a docked table in the base frame [m]
 

@@ -107,7 +107,7 @@ def table(body_id: str, pose: Pose) -> BodySpec:
 
 
 def robot(start: Pose = ORIGIN) -> RobotSpec:
-    outline = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+    outline = ((-0.525, -0.305), (0.345, -0.305), (0.345, 0.305), (-0.525, 0.305))
     fov = math.radians(56.0)
     return RobotSpec(
         "robot",

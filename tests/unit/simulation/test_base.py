@@ -3,12 +3,15 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 
 from skiros_py.devices.arm import ArmTarget
 from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.ports.cell import BodySpec
+from skiros_py.ports.simulation import Wrench
 from skiros_py.simulation.truth import Truth
 
 LIMITS = {"linear": (0.8, 0.8), "angular": (1.2, 1.6)}  # greatest speed, greatest acceleration
@@ -85,3 +88,78 @@ def test_the_wheels_turn_as_far_as_the_base_drives(make_cell, kitting):
 def test_a_speed_that_is_not_finite_is_refused(make_cell, kitting):
     with pytest.raises(DeviceError, match="base: a command is made of finite numbers"):
         _drive(make_cell(kitting.cell_spec()), math.nan, 0.0, 1)
+
+
+TRANSIENT, HELD = 280.0, 140.0  # [N] on a hand, in 10 ms and after half a second: ISO/TS 15066
+BEHIND = -0.525 - 0.15  # where the middle of a thing is that stands 15 cm deep right behind the base [m]
+POST = Solid((Primitive("cylinder", (0.05, 0.3), Pose((0.0, 0.0, 0.15))),))
+UNSEEN = {
+    "a wall": BodySpec("thing", "Thing", Solid.box(0.3, 0.8, 0.5), pose=Pose((BEHIND - 0.15, 0.0, 0.0))),
+    "an edge": BodySpec("thing", "Thing", Solid.box(0.3, 0.3, 0.5), pose=Pose.of(BEHIND - 0.22, 0.1, 0.0, yaw=0.8)),
+    "a post at a corner": BodySpec("thing", "Thing", POST, pose=Pose((BEHIND - 0.05, 0.29, 0.0))),
+    "a crate": BodySpec("thing", "Thing", Solid.box(0.3, 0.3, 0.5), 30.0, Pose((BEHIND - 0.15, 0.0, 0.0))),
+}
+
+
+def _pressed(cell, twist, cycles):
+    """Drives on, whatever happens; returns the force on the thing in each cycle [N]."""
+    truth, forces = Truth(cell), []
+    for _ in range(cycles):
+        cell.exchange({"base": twist})
+        forces.append(sum(contact.force for contact in truth.contacts() if contact.body == "thing"))
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("thing", UNSEEN)
+def test_a_base_backs_into_what_it_does_not_see_no_harder_than_a_hand_bears(make_cell, kitting, engine, thing):
+    cell = make_cell(kitting.cell_spec(UNSEEN[thing]), engine=engine)
+
+    forces = _pressed(cell, BaseTwist(-0.3, 0.0), 300)
+
+    assert forces.max() > 20.0
+    assert np.convolve(forces, np.ones(2) / 2.0).max() <= TRANSIENT
+    assert np.convolve(forces, np.ones(100) / 100.0).max() <= HELD
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+def test_a_bumper_is_not_harder_along_a_wall_because_more_points_touch_it(make_cell, kitting, engine):
+    hardest = [
+        _pressed(make_cell(kitting.cell_spec(UNSEEN[thing]), engine=engine), BaseTwist(-0.3, 0.0), 300).max()
+        for thing in ("a wall", "a post at a corner")
+    ]
+
+    assert hardest[0] < 2.0 * hardest[1]
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+def test_a_base_that_is_slowed_from_outside_lets_go_and_drives_on_once_it_stands(make_cell, kitting, engine):
+    cell = make_cell(kitting.cell_spec(start=Pose((-3.0, 0.0, 0.0))), engine=engine)
+    _drive(cell, 0.4, 0.0, 150)
+
+    states = []
+    for _ in range(40):
+        cell.scene.engine.apply_wrench("robot", Wrench((-400.0, 0.0, 0.0)), link="base_link")
+        states += _drive(cell, 0.4, 0.0, 1)
+    released = _drive(cell, 0.4, 0.0, 300)
+
+    brakes = [state for state in states[3:] if state.linear > 0.06]
+    yields = [state for state in states if -0.1 < state.linear < -0.05]
+    assert brakes
+    assert yields
+    assert all(state.force < 0.0 for state in brakes)
+    assert all(abs(state.force) <= 45.0 for state in yields)
+    assert released[-1].linear == pytest.approx(0.4, abs=0.01)
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+def test_a_base_does_not_let_go_for_what_its_own_arm_does(make_cell, kitting, engine):
+    cell = make_cell(kitting.cell_spec(start=Pose((-3.0, 0.0, 0.0))), engine=engine)
+    speeds = []
+    for cycle in range(300):
+        swing = tuple(angle + 0.2 * (1.0 - math.cos(cycle / 30.0)) for angle in kitting.HOME)
+        rates = (0.2 * math.sin(cycle / 30.0) * 200.0 / 30.0,) * 7
+        state = cell.exchange({"base": BaseTwist(0.4, 0.3), "arm": ArmTarget(swing, rates)}).state("base", BaseState)
+        speeds.append(state.linear)
+
+    assert min(speeds[150:]) > 0.39

@@ -114,6 +114,8 @@ class MujocoEngine(RenderedWorld[Body, MujocoRobot]):
             action()
         for substep in range(self._substeps):
             self.motors.drive(self.model, self.data, substep)
+            for robot in self.robots.values():
+                robot.share_softness()
             mujoco.mj_step(self.model, self.data)
         self.motors.end_step(self.data)
         self.data.xfrc_applied[:] = 0.0

@@ -14,11 +14,17 @@ import numpy as np
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Wrench
-from skiros_py.simulation.models import attach_robot, read_urdf, robot_spec
+from skiros_py.simulation.models import attach_robot, read_urdf, robot_spec, soft_links
 
 if TYPE_CHECKING:
     from skiros_py.simulation.mujoco.engine import MujocoEngine
 
+_IMPEDANCE = 0.02
+"""So small that soft contacts are springs with dampers, whatever else pushes what they touch."""
+_MOST_POINTS = 4
+"""At so many points two shapes touch at most."""
+_LIGHTEST = 0.5
+"""What is lighter than the inverse of this finds them softer than they are [1/kg]: it would bounce."""
 _NO_LIMIT = {"lower": -math.inf, "upper": math.inf, "effort": math.inf, "velocity": math.inf}
 
 
@@ -49,7 +55,8 @@ class MujocoRobot:
         self.joint_names = tuple(joint.name for joint in spec.joints)
         self.link_names = tuple(body.name for body in spec.bodies if body.name != "world")
         self.moved = {joint.name: joint.parent.name for joint in spec.joints}
-        self.limits = _limits_of(read_urdf(urdf))
+        described = read_urdf(urdf)
+        self.limits = _limits_of(described)
         self._links: dict[str, MujocoLink] = {}
         for joint in spec.joints:
             joint.damping, joint.frictionloss = (0.0, 0.0, 0.0), 0.0
@@ -57,6 +64,10 @@ class MujocoRobot:
         for geom in spec.geoms:  # it does not collide with itself
             geom.contype, geom.conaffinity = group, ~group & 0x7FFFFFFF
             engine.set_contact(geom, Surface())
+        self._soft = {link: np.array(softness) for link, softness in soft_links(described).items()}
+        for geom in (geom for link in self._soft for geom in spec.body(link).geoms):
+            geom.priority = 1  # it is as soft, whatever touches it
+            geom.solimp = (_IMPEDANCE, _IMPEDANCE, 0.001, 0.5, 2.0)
         attach_robot(engine.spec, spec, name, pose)
 
     def joints(self, names: Sequence[str]) -> MujocoJoints:
@@ -86,6 +97,23 @@ class MujocoRobot:
         if link not in self.link_names:
             raise UnknownName("link", link, self.link_names)
         return f"{self.name}/{link}"
+
+    def share_softness(self) -> None:
+        """Shares the stiffness of each soft link among the points at which it was touched in the last step.
+
+        MuJoCo has it for each point, as acceleration of what touches there. Where nothing was touched it counts with
+        the most points and for what stands fast, so that no blow is harder.
+        """
+        model, touching = self.engine.model, self.engine.data.contact.geom
+        for link, softness in self._soft.items():
+            body = model.body(self.body_name(link))
+            first, behind = body.geomadr[0], body.geomadr[0] + body.geomnum[0]
+            mine = (touching >= first) & (touching < behind)
+            others = model.geom_bodyid[touching[mine[:, ::-1]]]
+            points = len(others) or _MOST_POINTS
+            light = min(float(model.body_invweight0[others, 0].min()), _LIGHTEST) if len(others) else 0.0
+            share = (1.0 + _IMPEDANCE * (points - 1)) / points
+            model.geom_solref[first:behind] = -softness * (float(body.invweight0[0]) + light) * share
 
     def link_poses(self) -> Mapping[str, Pose]:
         """Returns the poses of all links in the map."""

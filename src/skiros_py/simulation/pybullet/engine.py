@@ -72,6 +72,8 @@ class PyBulletEngine(RenderedWorld[Body, PyBulletRobot]):
         """Simulates one period."""
         for action in self._before_step:
             action()
+        for robot in self.robots.values():
+            robot.share_softness()
         self.client.stepSimulation()
         self._forget_readings()
 

@@ -11,13 +11,15 @@ import numpy as np
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Wrench
-from skiros_py.simulation.models import read_urdf
+from skiros_py.simulation.models import read_urdf, soft_links
 from skiros_py.simulation.pybullet.client import Client
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.engine import PyBulletEngine
 
 _COUPLING_ERP = 0.1
+_MOST_POINTS = 4
+"""At so many points two shapes touch at most."""
 
 
 class RobotModel:
@@ -101,6 +103,8 @@ class PyBulletRobot:
         self.urdf = urdf
         self.model = RobotModel(engine.client, urdf, pose)
         self._links: dict[str, PyBulletLink] = {}
+        self._soft = {self.model.link(link): softness for link, softness in soft_links(read_urdf(urdf)).items()}
+        self._shared: dict[int, int] = {}  # among how many points the stiffness of each soft link is shared now
         self._free_joints()
 
     @property
@@ -134,6 +138,20 @@ class PyBulletRobot:
     def link_poses(self) -> Mapping[str, Pose]:
         """Returns the poses of all links in the map."""
         return {name: self.model.link_pose(number) for name, number in self.model.links.items()}
+
+    def share_softness(self) -> None:
+        """Shares the stiffness of each soft link among the points at which it was touched in the last step.
+
+        PyBullet has it for each point. Where nothing was touched it counts with the most, so that no blow is harder.
+        """
+        for link, whole in self._soft.items():
+            points = len(self.model.client.getContactPoints(bodyA=self.model.body, linkIndexA=link)) or _MOST_POINTS
+            if points != self._shared.get(link):
+                self._shared[link] = points
+                stiffness, damping = whole.stiffness / points, whole.damping / points
+                self.model.client.changeDynamics(
+                    self.model.body, link, contactStiffness=stiffness, contactDamping=damping
+                )
 
     def motion(self) -> tuple[float, ...]:
         """Returns position and velocity of each movable joint in turn."""

@@ -14,7 +14,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 
 _HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)
-_FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+_FOOTPRINT = ((-0.525, -0.305), (0.345, -0.305), (0.345, 0.305), (-0.525, 0.305))
 
 
 def small_cell(*, cameras: bool = True) -> CellSpec:
