@@ -20,6 +20,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
+from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
 from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, HELD_BY, MANIPULATABLE
 
@@ -48,6 +49,8 @@ class Grasp(HandlingPrimitive):
         part: str = param(MANIPULATABLE, "The part; its pose is known exactly.")
 
     _lifting = False
+    _from: Placement | None = None
+    """Where the part was until it was gripped; None while it is not."""
 
     def start(self) -> Failure | None:
         """Checks that a grasp is known for the part."""
@@ -84,7 +87,11 @@ class Grasp(HandlingPrimitive):
             return refused(refusal)
         self.progress(2, Message("closing"))
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
-        tool = self.tool_pose()
+        guess = self._expected(self.tool_pose().inverse() @ part_pose, wanted)
+        state = gripper.state
+        if _holds(state, grasp):  # believed at once: if it is stopped from here on, it is known what is in the hand
+            self._from = self.world.placement(self.params.part)
+            self._believe_held(guess)
         self.progress(3, Message("lifting"))
         self._lifting = True
         refusal = yield from self.follow(up, expected=self.weight(self.params.part), landing=0.0)
@@ -93,27 +100,46 @@ class Grasp(HandlingPrimitive):
             return refused(refusal)
         self.retreat = None
         state = gripper.state
-        if abs(state.gap - grasp.width) > _GAP_TOLERANCE or state.force < _FIRM:
+        if not _holds(state, grasp):
             expected = Message("expected {width:.0f}", width=grasp.width * 1000.0)
             return (yield from self._let_go(gripper, joined(", ", (_felt(state), expected)), up))
-        sits = yield from self._look(tool.inverse() @ part_pose, wanted)
+        sits = yield from self._look(guess)
         if isinstance(sits, str):
             return (yield from self._let_go(gripper, sits, up))
-        with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
-            tx.place(self.params.part, HELD_BY, self.params.gripper)
-            write_pose(tx, self.params.part, sits, self.params.gripper)
+        self._believe_held(sits)
         return Success(Message("holds {part}: {state}", part=self.params.part, state=_felt(gripper.state)))
 
-    def _look(self, expected: Pose, wanted: Pose) -> Execution[Pose | str]:
-        """Returns how the part sits in the gripper, in the frame of the tip; or what speaks against holding it so.
+    @staticmethod
+    def _expected(at_closing: Pose, wanted: Pose) -> Pose:
+        """Returns how the part sits as far as known without a look, in the frame of the tip.
 
         Args:
-            expected: Where it was when the fingers closed, as registered.
+            at_closing: Where it was when the fingers closed, as registered.
             wanted: The grasp; the fingers centre and align what they close on.
         """
         nominal = wanted.inverse()
-        x, _, z = expected.position
-        guess = Pose((x, nominal.position[1], z), nominal.orientation)
+        x, _, z = at_closing.position
+        return Pose((x, nominal.position[1], z), nominal.orientation)
+
+    def _believe_held(self, sits: Pose) -> None:
+        with self.world.transaction(author=self.name, reason=_felt(self.gripper.state)) as tx:
+            tx.place(self.params.part, HELD_BY, self.params.gripper)
+            write_pose(tx, self.params.part, sits, self.params.gripper)
+
+    def _believe_back(self, reason: str) -> None:
+        """Writes that the part is where it was taken from, but not exactly where."""
+        before, self._from = self._from, None
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            if before is not None:
+                tx.place(self.params.part, before.relation, before.place)
+            write_pose(tx, self.params.part, None)
+
+    def _look(self, guess: Pose) -> Execution[Pose | str]:
+        """Returns how the part sits in the gripper, in the frame of the tip; or what speaks against holding it so.
+
+        Args:
+            guess: How it sits as far as known.
+        """
         image = yield from self.take_picture(self.params.camera)
         found = yield from self.how_it_sits(image, self.params.camera, self.params.part, guess)
         if found is None or (found.pose is None and not found.visible):
@@ -136,21 +162,27 @@ class Grasp(HandlingPrimitive):
             self._lifting = False
             if refusal is not None:
                 return  # not dropped from where it is
+        if self._from is not None:
+            self._believe_back(Message("put back"))
         yield from self.open_wide(self.gripper)
         yield from self.follow_from_here(self.retreat)
         self.retreat = None
 
     def _let_go(self, gripper: Gripper, found: str, up: Trajectory) -> Execution[Outcome]:
         """Puts down whatever is between the fingers and opens; the part then has to be located again."""
-        with self.world.transaction(author=self.name, reason=Message("grasp failed: {found}", found=found)) as tx:
-            write_pose(tx, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, but not as expected: do not drop it
             yield from self.follow(reversed_way(up, slower=2), expected=self.weight(self.params.part), landing=0.0)
             self.retreat, self._lifting = up, False
+        self._believe_back(Message("grasp failed: {found}", found=found))
         yield from self.open_wide(gripper)
         yield from self.recover()
         reason = Message("{part} is not in the gripper after the lift: {found}", part=self.params.part, found=found)
         return Failure(reason, values={"cause": "not grasped"})
+
+
+def _holds(state: GripperState, grasp: GraspData) -> bool:
+    """Returns whether fingers that have closed feel the part between them."""
+    return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
 
 
 def _felt(state: GripperState) -> str:

@@ -24,7 +24,7 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message
 from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory
 from skiros_py.ports.perception import Region
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
@@ -42,6 +42,8 @@ _FAST, _SLOW, _UP = 0.25, 0.10, 0.35
 """Greatest speeds on the way down to the walls, below that, and up again [m/s]."""
 _OPEN, _LEAST_OPEN = 0.016, 0.004
 """How far the fingers open past the part's width: where there is room, and in any case [m]."""
+_FREE = 0.003
+"""How far the fingers must have opened to hold nothing any more [m]."""
 _FINGER = (0.011, 0.015, 0.010)
 """Half the width of a finger, its thickness, and how far it reaches beyond the tip [m]."""
 _BEHIND = 0.020
@@ -163,20 +165,25 @@ class PuttingPrimitive(HandlingPrimitive):
         """Opens the fingers as far as there is room, and retreats."""
         gripper = self.gripper
         self.progress(3, Message("releasing"))
-        before, opening = gripper.state.gap, max(_LEAST_OPEN, self.room(self.tool_pose()))
-        gap = min(self.gripper_spec.max_gap, before + opening)
-        state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
-        opened = state.gap >= before + 0.5 * (gap - before)
-        if opened:
-            reason = Message("released over {place}, not seen yet", place=spot.place)
-            with self.world.transaction(author=self.name, reason=reason) as tx:
-                tx.place(self.params.part, spot.believed.relation, spot.believed.place)
-                write_pose(tx, self.params.part, None)  # a look has to determine it
+        before, room = gripper.state.gap, max(_LEAST_OPEN, self.room(self.tool_pose()))
+        gap = min(self.gripper_spec.max_gap, before + room)
+        opening, opened = move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec)), False
+        while (state := tick(opening)) is None:
+            if not opened and gripper.state.gap >= before + min(_FREE, 0.5 * (gap - before)):
+                self._believe_released(spot)  # at once: it may be stopped before the fingers stand
+                opened = True
+            yield
         self.progress(4, Message("retreating"))
         yield from self.recover()
         if not opened:
             return Failure(Message("the fingers did not open: gap {gap:.0f} mm", gap=state.gap * 1000.0))
         return Success(Message("released over {place}", place=spot.place))
+
+    def _believe_released(self, spot: Spot) -> None:
+        reason = Message("released over {place}, not seen yet", place=spot.place)
+        with self.world.transaction(author=self.name, reason=reason) as tx:
+            tx.place(self.params.part, spot.believed.relation, spot.believed.place)
+            write_pose(tx, self.params.part, None)  # a look has to determine it
 
     def recover(self) -> Execution[None]:
         """Retracts along the checked line, with anything it still holds."""

@@ -17,7 +17,7 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.replay import Flaw, apply_effects, replay
 from skiros_py.planning.sequence import Round
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
-from skiros_py.skills.conditions import Condition, Verdict
+from skiros_py.skills.conditions import Computed, Condition, ConditionType, Role, Verdict
 from skiros_py.skills.conditions.watch import Key, ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import robot_of
@@ -92,6 +92,23 @@ def answered(request: Request[T], state: Index, planners: Planners, stopped: Cal
 
 
 @dataclass(frozen=True, slots=True)
+class _NotLeftOut:
+    """Tells whether an agent may try a target: any but those that are left out.
+
+    Attributes:
+        why: The reason for each that is.
+    """
+
+    why: tuple[tuple[str, str], ...]
+
+    def __call__(self, view: WorldView, agent: str, target: str) -> Verdict:  # noqa: ARG002 - as functions of relations
+        reason = dict(self.why).get(target)
+        if reason is None:
+            return Verdict(True, Message("{agent} may try {target}", agent=agent, target=target))
+        return Verdict(False, Message("{target} was given up: {reason}", target=target, reason=reason))
+
+
+@dataclass(frozen=True, slots=True)
 class PlanRequest:
     """A request for a plan.
 
@@ -99,7 +116,7 @@ class PlanRequest:
         goal: The conditions that must all hold.
         capabilities: The available skills.
         reached: The highest sequence number that each robot has visited in this task.
-        left_out: Elements that no plan may use.
+        left_out: Elements that no skill of a plan may have as its target, each with the reason; nor are they chosen.
         busy: Robots and things that other tasks use: planned with only as a last resort.
         running: Running steps, assumed to succeed.
         options: Planning options.
@@ -108,7 +125,7 @@ class PlanRequest:
     goal: tuple[Condition, ...]
     capabilities: tuple[Capability, ...]
     reached: Mapping[str, int] = field(default_factory=dict)
-    left_out: frozenset[str] = frozenset()
+    left_out: Mapping[str, str] = field(default_factory=dict)
     busy: frozenset[str] = frozenset()
     running: tuple[Step, ...] = ()
     options: PlanningOptions = USUAL
@@ -117,10 +134,10 @@ class PlanRequest:
         """Plans."""
         if self.busy:
             free = tuple(one for c in self.capabilities if (one := self._free(c, state)).agents)
-            planned = self._plan(state, self.left_out | self.busy, free, planners, stopped)
+            planned = self._plan(state, self.busy.union(self.left_out), free, planners, stopped)
             if isinstance(planned.outcome, Plan):
                 return planned
-        return self._plan(state, self.left_out, self.capabilities, planners, stopped)
+        return self._plan(state, frozenset(self.left_out), self.capabilities, planners, stopped)
 
     def _plan(
         self,
@@ -135,7 +152,16 @@ class PlanRequest:
         if self.running:
             skills = {c.skill.name: c.skill for c in self.capabilities}
             view, reached = supposing(view, self.running, skills, reached)
+        if self.left_out:
+            capabilities = [replace(c, skill=self._restricted(c.skill)) for c in capabilities]
         return plan(planners, view, capabilities, self.goal, reached=reached, options=self.options, stopped=stopped)
+
+    def _restricted(self, skill: SkillDescription) -> SkillDescription:
+        """Returns a skill for other targets only: facts may lead to one that is left out, though none is chosen."""
+        roles = tuple(Role(key, skill.param(key).element_class) for key in (skill.agent, skill.target))
+        pattern = Computed("may try", skill.agent, skill.target, _NotLeftOut(tuple(sorted(self.left_out.items()))))
+        may_try = ConditionType("MayTry", roles, pattern, "The target was not given up.")
+        return replace(skill, pre=(*skill.pre, may_try(skill.agent, skill.target)))
 
     def _free(self, capability: Capability, view: WorldView) -> Capability:
         """Restricts a capability to subsystems whose robots no other task uses."""

@@ -123,6 +123,11 @@ class TaskRecord:
         self.left_out.clear()
         self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
 
+    @property
+    def why_left_out(self) -> dict[str, str]:
+        """The targets that are left out, each with its last failure."""
+        return {target: self._reasons[target][0] for target in sorted(self.left_out)}
+
     # ------------------------------------------------------------------ conditions
 
     def _note_conditions(self) -> None:

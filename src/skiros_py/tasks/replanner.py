@@ -68,7 +68,7 @@ class Replanner:
             tuple(goal),
             self._context.capabilities,
             self._record.reached,
-            frozenset(self._record.left_out),
+            self._record.why_left_out,
             busy,
             tuple(running),
             self._context.options,

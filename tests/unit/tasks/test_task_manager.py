@@ -21,7 +21,7 @@ BALLS = 'scene:ball_2 a tiny:Ball ; rdfs:label "ball two" ; sk:in scene:box_a .'
 
 
 class Try(Primitive[Any]):
-    """Fails on one ball, so often as told."""
+    """Fails on one thing, so often as told."""
 
     name: ClassVar[str] = "try"
     clumsy: ClassVar[dict[str, int]] = {}
@@ -29,7 +29,7 @@ class Try(Primitive[Any]):
 
     @dataclass(frozen=True, slots=True)
     class Params:
-        ball: str = param("tiny:Ball", "What to try.")
+        ball: str = param("sk:SpatialThing", "What to try.")
 
     def execute(self) -> Execution[Outcome]:
         yield
@@ -115,6 +115,31 @@ def test_after_so_many_failures_a_target_is_given_up_and_the_rest_is_still_done(
     assert (plain.believed, plain.reason) == (True, "")
     assert not report.reached
     assert report.no_plan == ()
+
+
+def hard_to_reach(world: World, box: str) -> Bench:
+    Try.clumsy[box] = 99
+    drive = pretend(DRIVE, Sequence.of(Do.of("try", ball=P("Location")), AssertEffects(0.02)))
+    return Bench(world, (drive, *TRYING[1:]), (Try,))
+
+
+def test_a_place_that_cannot_be_reached_is_given_up_and_what_is_elsewhere_is_still_done() -> None:
+    with hard_to_reach(tiny_world(), "box_b") as bench:
+        report = bench.pursue("In(red_ball_1, slot_1)", "In(ball_1, slot_2)")
+
+    far, near = report.conditions
+    assert [step.arguments["Location"] for step in report.steps if step.skill == "drive"].count("box_b") == 3
+    assert not far.believed
+    assert "box_b was given up: box_b slipped" in far.reason
+    assert (near.believed, near.reason) == (True, "")
+
+
+def test_instead_of_what_is_at_a_place_that_cannot_be_reached_its_like_from_elsewhere_is_taken() -> None:
+    with hard_to_reach(tiny_world("scene:a_red_ball a tiny:RedBall ; sk:in scene:box_a ."), "box_a") as bench:
+        report = bench.pursue("In(RedBall, slot_1)")
+
+    assert report.reached
+    assert [step.arguments.get("Location") for step in report.steps if step.reason] == ["box_a"] * 3
 
 
 def test_how_often_is_enough_can_be_chosen() -> None:
