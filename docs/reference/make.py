@@ -37,6 +37,7 @@ PAGES: Mapping[str, tuple[str, Sequence[str]]] = {
             "skiros_py.devices.camera:Camera,CameraSpec",
             "skiros_py.devices.localiser:LocaliserState,LocaliserSpec",
             "skiros_py.devices.scanner:ScannerState,ScannerSpec",
+            "skiros_py.devices.force_torque:ForceTorqueState,ForceTorqueSpec",
         ),
     ),
     "world": (

@@ -66,5 +66,5 @@ def test_one_device_of_a_simulated_robot_has_a_driver_at_its_own_address(site: A
 
     assert sk_real.ADDRESSES[-1] == "/dev/ttyUSB0"
     assert after.devices["gripper_1"].gap == 0.01  # at once, as that driver does
-    assert simulated == {"base_1", "localiser_1", "scanner_1", "arm_1", "camera_1"}
+    assert simulated == {"base_1", "localiser_1", "scanner_1", "arm_1", "camera_1", "force_torque_1"}
     assert after.devices["base_1"].linear > 0.0

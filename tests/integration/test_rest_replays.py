@@ -77,7 +77,7 @@ def test_a_replay_samples_all_devices_at_the_same_ascending_times(replay: Replay
     assert 2 <= len(frames.times) <= 5000
     assert {"robot_1/panda_joint1", "robot_1/panda_joint7", "robot_1/panda_finger_joint1"} <= set(frames.joints)
     assert {"base_1", "arm_1", "gripper_1", "camera_1"} <= set(frames.frames)
-    assert {"base_1", "arm_1", "gripper_1", "localiser_1", "scanner_1"} == set(frames.states)
+    assert {"base_1", "arm_1", "force_torque_1", "gripper_1", "localiser_1", "scanner_1"} == set(frames.states)
     tracks = (*frames.joints.values(), *frames.frames.values(), *frames.states.values())
     assert {len(track) for track in tracks} == {len(frames.times)}
     assert {len(pose) for pose in frames.frames["base_1"]} == {7}

@@ -72,6 +72,7 @@ def test_devices_of_any_kind_are_described_with_their_values(api) -> None:
         "arm_1": "arm",
         "gripper_1": "gripper",
         "camera_1": "camera",
+        "force_torque_1": "force_torque",
     }
     assert gripper == told["gripper_1"]
     assert (gripper.robot, gripper.description["max_gap"]) == ("robot_1", 0.08)

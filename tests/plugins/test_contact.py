@@ -13,9 +13,10 @@ import pytest
 
 from skiros_primitives import arm_moves
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.contact import Touch
+from skiros_primitives.contact import GENTLE, TOLERANCE, Touch
 from skiros_py.devices.arm import ArmTarget
 from skiros_py.devices.localiser import LocaliserSpec
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Refusal, Trajectory
 from skiros_py.ports.values import Done
@@ -115,6 +116,8 @@ class Moving(ArmPrimitive):
     def _left(self, trajectory: Trajectory) -> float:
         return 1.0
 
+    spec = SimpleNamespace(tip="tcp", joints=("one", "two"))
+
     # ContactWatch
 
     touches_at_start = False
@@ -156,6 +159,45 @@ def test_it_is_behind_the_contact_with_the_next_target_and_goes_back_to_where_it
     assert arm.commands[arm.meets_at].velocities[0] < 0.0
     assert np.abs(np.diff(after)).max() <= 0.5 * np.abs(WAY.velocities).max() * PERIOD
     assert after[-1] == pytest.approx(WAY.positions[0, 0], abs=1e-3)
+
+
+class Force:
+    """What pushes the hand: nothing until a cycle, then something; or nobody knows."""
+
+    def __init__(self, arm: Moving, *, presses_at: int = 10_000, dies_at: int = 10_000) -> None:
+        self._arm, self._presses_at, self._dies_at = arm, presses_at, dies_at
+
+    def push(self) -> Any:
+        if len(self._arm.commands) >= self._dies_at:
+            raise DeviceError("sensor_1 was switched off")
+        return np.array([0.0, 0.0, 6.0 if len(self._arm.commands) >= self._presses_at else 0.0])
+
+
+def test_where_the_hand_presses_a_motion_ends_and_the_hand_stays(written: list[str]) -> None:
+    arm = Moving(meets_at=10_000)
+
+    refusal = run(arm.follow(WAY, landing=0.0, force=Force(arm, presses_at=60)))  # type: ignore[arg-type]
+
+    assert refusal is not None
+    assert refusal.met
+    assert arm.commands[-1].positions[0] == pytest.approx(WAY.positions[60, 0], abs=0.05)
+    assert not written
+    assert run(arm.follow(WAY, landing=2.0, force=Force(arm, presses_at=0))) is None  # type: ignore[arg-type]
+
+
+def test_a_sensor_that_does_not_answer_is_said_and_the_joints_feel_contact_as_gently(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    arm, said = Moving(), list[str]()
+    arm.tolerance = TOLERANCE  # type: ignore[attr-defined]
+    monkeypatch.setattr(Moving, "progress", lambda _self, _code, text: said.append(text))
+
+    refusal = run(arm.follow(WAY, landing=0.0, tolerance=GENTLE, force=Force(arm, dies_at=50)))  # type: ignore[arg-type]
+
+    assert said == ["sensor_1 was switched off: the joints of arm_1 feel contact"]
+    assert arm.tolerance == GENTLE  # type: ignore[attr-defined]
+    assert refusal is not None
+    assert refusal.met
 
 
 def test_near_to_things_it_moves_back_a_little_and_the_line_up_is_followed_afterwards() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from skiros_primitives.contact import TOLERANCE, ContactWatch, Touch, believe_obstacle
+from skiros_primitives.contact import PRESS, TOLERANCE, ContactWatch, HandForce, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.playback import Playback, even, reversed_way
@@ -292,6 +292,7 @@ class ArmPrimitive(Primitive[Any]):
         expected: float = 0.0,
         landing: float | None = None,
         tolerance: float = TOLERANCE,
+        force: HandForce | None = None,
     ) -> Execution[NoMotion | None]:
         """Sends a trajectory, one sample per cycle, until the arm is at rest; returns why it did not arrive.
 
@@ -304,12 +305,29 @@ class ArmPrimitive(Primitive[Any]):
             landing: How far before its end a contact ends it as well, for motions that come near to things on purpose
                 [m]; None for free motions, where what is met becomes an obstacle.
             tolerance: What counts as a contact, see :class:`ContactWatch` [N m].
+            force: What pushes the hand, where that is measured: where it presses onto something the motion ends, and
+                the hand stays there. Without it the joints have to feel that, with this tolerance.
         """
-        watch = ContactWatch.of(self.context, self.arm, expected=expected, tolerance=tolerance)
+        feels = TOLERANCE if force is not None else tolerance
+        watch = ContactWatch.of(self.context, self.arm, expected=expected, tolerance=feels)
         playback = Playback(trajectory, self.context.board.period, self.context.now)
         while not playback.ended:
             self.arm.command(playback.target(self.context.now))
             yield
+            if force is not None:
+                try:
+                    pressed = force.push()[2] >= PRESS
+                except DeviceError as error:
+                    self.unfelt(error)
+                    force, pressed = None, False
+                    if watch is not None:
+                        watch.tolerance = tolerance
+                if pressed:
+                    yield from self._settle(self.arm.state.positions)
+                    if landing is not None and self._left(trajectory) <= landing:
+                        return None
+                    reason = Message("{link} of {arm} met something", link=self.arm.spec.tip, arm=self.params.arm)
+                    return NoMotion(reason, met=True)
             if watch is not None and (touch := watch.felt()) is not None:
                 if landing is not None and self._left(trajectory) <= landing:
                     yield from self._settle(self.arm.state.positions)
@@ -329,6 +347,21 @@ class ArmPrimitive(Primitive[Any]):
                 met=True,
             )
         return None
+
+    def feel_hand(self) -> Execution[HandForce | None]:
+        """Returns what pushes the hand besides what it holds now; None where nothing measures it."""
+        try:
+            force = HandForce.of(self.context, self.arm)
+            if force is not None:
+                yield from force.weigh()
+        except DeviceError as error:
+            self.unfelt(error)
+            return None
+        return force
+
+    def unfelt(self, why: DeviceError) -> None:
+        """Says that the joints feel contact from here on, because a sensor at the hand does not answer."""
+        self.progress(2, Message("{reason}: the joints of {arm} feel contact", reason=str(why), arm=self.params.arm))
 
     def _left(self, trajectory: Trajectory) -> float:
         """Returns how far the tip is from the end of a trajectory [m]."""

@@ -7,17 +7,21 @@ gravity and the load account for. A contact beyond joint k loads joints 1 to k, 
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from skiros_py.devices.arm import Arm, ArmSpec, ArmState
+from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
+from skiros_py.devices.force_torque import ForceTorqueSpec, ForceTorqueState
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array, Pose, rotation_matrix
+from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_JOINTS, Dynamics, JointMotion, Kinematics
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.primitive import Execution
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -140,12 +144,16 @@ class ContactWatch:
     contact that is there already may become weaker, but not stronger. While the base drives, the next cycle counts as
     the start: before it, nothing says whether the base speeds up.
 
+    Attributes:
+        weight: What the arm carries at its tip [N].
+        tolerance: Residual that is no contact yet; less for slow motions that shall feel more [N m].
+
     Args:
         context: The run.
         arm: The arm.
         expected: Force at the tip that may come and go on the way without being a contact, such as the weight of a part
             that is lifted [N].
-        tolerance: Residual that is no contact yet; less for slow motions that shall feel more [N m].
+        tolerance: See above.
     """
 
     def __init__(self, context: RunContext, arm: Arm, *, expected: float = 0.0, tolerance: float = TOLERANCE) -> None:
@@ -154,7 +162,7 @@ class ContactWatch:
         self._arm = arm
         self._board = context.board
         self._asked = context.board.snapshot.time
-        self._expected, self._tolerance = expected, tolerance
+        self._expected, self.tolerance = expected, tolerance
         self._motion = WholeMotion(context, context.cell.group_of(arm.id))
         self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
         self.weight = 0.0
@@ -172,7 +180,7 @@ class ContactWatch:
     @property
     def touches_at_start(self) -> bool:
         """True when the arm touches something before it moves."""
-        return self._at_start is not None and bool(self._at_start.max() > self._tolerance)
+        return self._at_start is not None and bool(self._at_start.max() > self.tolerance)
 
     @classmethod
     def of(
@@ -194,7 +202,7 @@ class ContactWatch:
         if self._at_start is None:
             self._weigh(left, lever)
         over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
-        return self._touch(state, left, float(over.max())) if over.max() > self._tolerance else None
+        return self._touch(state, left, float(over.max())) if over.max() > self.tolerance else None
 
     def _left(self, motion: JointMotion) -> Array:
         efforts = self._arm.state.efforts
@@ -230,6 +238,83 @@ class ContactWatch:
         moved = rotation_matrix(pose.orientation) @ jacobian[:3] @ np.asarray(state.velocities)
         ahead = moved / max(1e-9, float(np.linalg.norm(moved)))
         return Touch(effort, link, pose.position, (float(ahead[0]), float(ahead[1]), float(ahead[2])), before)
+
+
+PRESS = 5.0
+"""Force on a hand from which on it presses onto something [N]."""
+_MEAN = 4
+"""Cycles over which the force on a hand is averaged."""
+_WEIGHED = 10
+"""Cycles in which what a hand holds is weighed."""
+
+
+class HandForce:
+    """What pushes the hand of an arm besides what it holds, by a force-torque sensor; to be asked once per cycle.
+
+    Args:
+        context: The run.
+        arm: The arm.
+        sensor: Its sensor.
+    """
+
+    def __init__(self, context: RunContext, arm: Arm, sensor: ForceTorqueSpec) -> None:
+        self._kinematics = context.port(Kinematics, arm.id)
+        self._arm, self._spec = arm, sensor
+        self._sensor = DeviceHandle[ForceTorqueSpec, ForceTorqueState, None](context.board, sensor.id)
+        self._recent: deque[Array] = deque(maxlen=_MEAN)
+        self._held = np.zeros(6)
+        self._height = 0.0  # of the tip above the sensor
+
+    @classmethod
+    def of(cls, context: RunContext, arm: Arm) -> HandForce | None:
+        """Returns the force on an arm's hand; None where nothing measures it.
+
+        Raises:
+            DeviceError: What measures it is closed.
+        """
+        sensors = [one for one in context.cell.group_of(arm.id).of(ForceTorqueSpec) if one.arm == arm.id]
+        known = context.ports.find(Kinematics, arm.id) is not None
+        return cls(context, arm, sensors[0]) if sensors and known else None
+
+    def weigh(self) -> Execution[None]:
+        """Takes what pushes the hand at rest now as the weight of what it holds.
+
+        Raises:
+            DeviceError: The sensor does not answer.
+        """
+        seen = []
+        for _ in range(_WEIGHED):
+            self._arm.command(ArmTarget(self._arm.state.positions, (0.0,) * len(self._arm.spec.joints)))
+            yield
+            seen.append(self._now())
+        self._held = np.mean(seen, axis=0)
+        tip, flange = (
+            self._kinematics.pose(link, self._positions()) for link in (self._arm.spec.tip, self._spec.frame)
+        )
+        self._height = tip.position[2] - flange.position[2]
+        self._recent.clear()
+
+    def push(self) -> Array:
+        """Returns the mean force of the last cycles, along the axes of the base [N], shape (3,); z is upwards.
+
+        Raises:
+            DeviceError: The sensor does not answer.
+        """
+        self._recent.append(self._now() - self._held)
+        return np.asarray(np.mean(self._recent, axis=0)[:3])
+
+    def pressed_at(self) -> Array:
+        """Returns x and y of where what was returned last presses, from the sensor, along the axes of the base [m]."""
+        fx, fy, fz, tx, ty, _ = np.mean(self._recent, axis=0)
+        return np.asarray(np.array([self._height * fx - ty, self._height * fy + tx]) / max(1.0, fz))
+
+    def _now(self) -> Array:
+        positions, state = self._positions(), self._sensor.state
+        turn = rotation_matrix(self._kinematics.pose(self._spec.frame, positions).orientation)
+        return np.concatenate([turn @ state.force, turn @ state.torque])
+
+    def _positions(self) -> dict[str, float]:
+        return dict(zip(self._arm.spec.joints, self._arm.state.positions, strict=True))
 
 
 def _above(kinematics: Kinematics, link: str) -> Iterator[str]:

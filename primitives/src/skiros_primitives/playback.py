@@ -78,6 +78,20 @@ def even(start: Sequence[float], goal: Sequence[float], period: float) -> Trajec
     return Trajectory(np.asarray(start) + smooth * way, rate * way)
 
 
+def moved_to(way: Trajectory, start: Sequence[float], period: float) -> Trajectory:
+    """Returns a motion that begins elsewhere, and comes to its own way evenly until its end.
+
+    Args:
+        way: The motion.
+        start: Joint angles where it begins [rad].
+        period: Time between two samples [s].
+    """
+    off = np.asarray(start) - way.positions[0]
+    share = np.linspace(0.0, 1.0, len(way.positions))[:, None]
+    left, rate = 1.0 - share**2 * (3.0 - 2.0 * share), -6.0 * share * (1.0 - share) / ((len(share) - 1) * period)
+    return Trajectory(way.positions + left * off, way.velocities + rate * off)
+
+
 def reversed_way(way: Trajectory, *, slower: int = 1) -> Trajectory:
     """Returns a motion from the end of another one to its beginning, so many times slower."""
     last = len(way.positions) - 1

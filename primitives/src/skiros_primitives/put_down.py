@@ -15,13 +15,17 @@ from typing import ClassVar
 import numpy as np
 
 from skiros_primitives.arm_moves import LIFTS, HandlingPrimitive, refused
-from skiros_primitives.contact import GENTLE
+from skiros_primitives.contact import GENTLE, HandForce
 from skiros_primitives.gripper import firm_force, move_fingers
+from skiros_primitives.insertion import REACH, Insertion
 from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.part_models import level
+from skiros_primitives.playback import moved_to
 from skiros_primitives.surfaces import inner_region, kit_of, support_region
+from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory
 from skiros_py.ports.perception import Region
 from skiros_py.skills.outcome import Failure, Outcome, Success, tick
@@ -36,6 +40,8 @@ _DROP = 0.004
 """Height above the floor at which the part is released [m]."""
 _LANDING = 0.012
 """How far above this a part that has met something stands on the floor already, unless the walls are lower [m]."""
+_FLOOR = 0.004
+"""How far above where it is believed to be the floor may be felt, unless the walls are lower [m]."""
 _OVER = 0.010
 """How far above the walls the way down becomes slow [m]."""
 _FAST, _SLOW, _UP = 0.25, 0.10, 0.35
@@ -71,6 +77,7 @@ class Spot:
         touching: Ids of what may be touched there.
         believed: Where it is believed to be once it was released; no look has shown it yet.
         walls: Height of what stands around it there [m].
+        floor: How far above its floor what is felt there is the floor [m].
     """
 
     place: str
@@ -78,6 +85,7 @@ class Spot:
     touching: frozenset[str]
     believed: Placement
     walls: float = 2.0 * _LANDING
+    floor: float = _LANDING
 
     @property
     def landing(self) -> float:
@@ -90,6 +98,8 @@ class PuttingPrimitive(HandlingPrimitive):
 
     lifts: ClassVar[tuple[float, ...]] = (0.12,)
     """From how high above the release the part comes down, best first [m]."""
+    force: HandForce | None = None
+    """What pushes the hand, where that is measured, since it began the last centimetres down."""
 
     def put(self, spot: Spot) -> Execution[Outcome]:
         """Approaches, comes down, opens, retreats."""
@@ -159,7 +169,38 @@ class PuttingPrimitive(HandlingPrimitive):
             refusal = yield from self.follow(leg, landing=0.0)
             if refusal is not None:
                 return refusal
-        return (yield from self.follow(low, landing=spot.landing, tolerance=GENTLE))
+        self.force = yield from self.feel_hand()
+        refusal = yield from self.follow(low, landing=spot.landing, tolerance=GENTLE, force=self.force)
+        if refusal is None and not (yield from self.insert([Insertion.lower], low, spot)) and self.force is not None:
+            return NoMotion(Message("{part} does not stand on the floor yet", part=self.params.part), met=True)
+        return refusal
+
+    def insert(
+        self, ways: Iterable[Callable[[Insertion], Execution[bool]]], low: Trajectory, spot: Spot
+    ) -> Execution[bool]:
+        """Lets the part down by feel; returns whether it is on the floor, False too where nothing feels.
+
+        Args:
+            ways: What to try, one after the other.
+            low: The last leg of the way down.
+            spot: Where it is put.
+        """
+        if self.force is None:
+            return False
+        kinematics, spec = self.context.port(Kinematics, self.params.arm), self.arm.spec
+        end = kinematics.pose(spec.tip, dict(zip(spec.joints, low.positions[-1].tolist(), strict=True)))
+        insertion = Insertion(self.context, self.arm, self.force, end.position[2] - _DROP, spot.floor)
+        try:
+            for way in ways:
+                if (yield from way(insertion)):
+                    return True
+        except DeviceError as error:
+            self.unfelt(error)
+            self.force = None
+        finally:
+            if self.retreat is not None:
+                self.retreat = moved_to(self.retreat, self.arm.state.positions, self.context.board.period)
+        return False
 
     def release(self, spot: Spot) -> Execution[Outcome]:
         """Opens the fingers as far as there is room, and retreats."""
@@ -240,6 +281,8 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
     """
 
     name: ClassVar[str] = "put_down"
+    is_seen = False
+    """True once a look has shown where the place is that the part is put into."""
     lifts: ClassVar[tuple[float, ...]] = (0.18, 0.14, LIFTS[-1])
 
     @dataclass(frozen=True, slots=True)
@@ -266,7 +309,9 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             self.fitted |= {kit}  # since the base arrived
         touching = frozenset({self.params.part, compartment})
         walls = float(solid.bounds()[1][2]) if solid is not None else 0.0
-        return (yield from self.put(Spot(compartment, poses, touching, Placement(v.MAY_BE_IN, compartment), walls)))
+        floor = min(_FLOOR, walls / 3.0) if walls else _FLOOR
+        believed = Placement(v.MAY_BE_IN, compartment)
+        return (yield from self.put(Spot(compartment, poses, touching, believed, walls, floor)))
 
     def _places(self, region: Region) -> list[Pose]:
         """Release poses in the compartment: as taught, else in its centre, at the quarter turns at which it fits."""
@@ -283,6 +328,8 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
         """Looks, corrects where to come down, and comes down; where it meets a wall, it tries again."""
         tool, legs = self.tools(spot)[chosen], planned.legs[1:]
         for attempt in range(_TRIES + len(_SIDES)):
+            if attempt == _TRIES and self.force is not None:  # what is beside was felt already
+                break
             if attempt < _TRIES:
                 seen = yield from self._look(aside=attempt > 0)
                 if isinstance(seen, str):
@@ -302,14 +349,34 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
                     return self.unreachable(spot, again)
                 legs = again.legs
             refusal = yield from self.descend(legs, spot)
+            refusal = yield from self._feel_the_way(refusal, legs[-2], spot)
             if refusal is None:
                 return (yield from self.release(spot))
             if not refusal.met:
                 return refused(refusal)
             if attempt < _TRIES:
                 yield from self.recover()
+        return self._too_high(spot)
+
+    def _feel_the_way(self, refusal: NoMotion | None, low: Trajectory, spot: Spot) -> Execution[NoMotion | None]:
+        """Searches where the part goes in, where it has met something and a look has shown the place."""
+        if refusal is None or not (refusal.met and self.is_seen) or self.force is None:
+            return refusal
+        self.progress(2, Message("feeling the way into {place}", place=spot.place))
+        return None if (yield from self.insert((Insertion.search, Insertion.shake), low, spot)) else refusal
+
+    def _too_high(self, spot: Spot) -> Failure:
         known = {"part": self.params.part, "place": spot.place}
-        return Failure(Message("{part} lands on something higher than the floor of {place}, beside too", **known))
+        if self.force is None:
+            return Failure(Message("{part} lands on something higher than the floor of {place}, beside too", **known))
+        return Failure(
+            Message(
+                "{part} lands on something higher than the floor of {place}: it was lifted and looked for again, moved "
+                "sideways by up to {reach:.0f} mm, and shaken",
+                **known,
+                reach=1e3 * REACH,
+            )
+        )
 
     def _look(self, *, aside: bool) -> Execution[bool | str]:
         """Looks where kit and compartment are, from where the arm is.
@@ -327,6 +394,7 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
             return True
         picture = yield from self.capture()
         result = yield from self.fit(kit, believed, picture)
+        self.is_seen = result.pose is not None or aside
         if result.pose is None and not aside:
             return True
         if result.pose is None:

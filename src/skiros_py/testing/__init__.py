@@ -14,7 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from skiros_py.testing.bench import Bench
-    from skiros_py.testing.faulty_cell import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
+    from skiros_py.testing.faulty_cell import (
+        Blind,
+        CellFault,
+        Deaf,
+        Dies,
+        FaultyCell,
+        Frozen,
+        Late,
+        Noisy,
+        Says,
+        Unplugged,
+    )
     from skiros_py.testing.tiny import (
         CONDITIONS,
         SKILLS,
@@ -60,6 +71,7 @@ __all__ = [
     "Says",
     "SkillTrial",
     "Slow",
+    "Unplugged",
     "answers",
     "robot_turtle",
     "run_primitive",

@@ -72,6 +72,13 @@ class Dies(CellFault):
 
 
 @dataclass(frozen=True, slots=True)
+class Unplugged(CellFault):
+    """A device does not answer any more: it is switched off, as by an error in its driver, and stays so."""
+
+    device: str
+
+
+@dataclass(frozen=True, slots=True)
 class Blind(CellFault):
     """A camera does not answer: requesting a picture raises DeviceError."""
 
@@ -109,11 +116,12 @@ class FaultyCell:
         self._faults = faults
         self._generators = [np.random.default_rng(fault.seed if isinstance(fault, Noisy) else 0) for fault in faults]
         self._onsets: dict[int, Snapshot] = {}
+        self._guard = KindGuard()
         self.devices = driver.devices
         self.period, self.kind = driver.period, driver.kind
         start = driver.read()
         for fault in faults:
-            if isinstance(fault, Deaf | Frozen | Says | Noisy) and fault.device not in start.devices:
+            if isinstance(fault, Deaf | Frozen | Says | Noisy | Unplugged) and fault.device not in start.devices:
                 raise UnknownName("device", fault.device, start.devices, where=f"in {fault}")
         self._snapshot = self._reported(start)
 
@@ -137,6 +145,8 @@ class FaultyCell:
                 raise DeviceError(f"{fault.device} does not answer")
             if isinstance(fault, Deaf):
                 commands = {device: target for device, target in commands.items() if device != fault.device}
+            if isinstance(fault, Unplugged):
+                self._guard.switch_off(self.devices[fault.device], "it does not answer")
         self._snapshot = self._reported(self._driver.exchange(commands))
         return self._snapshot
 
@@ -165,6 +175,7 @@ class FaultyCell:
 
     def contain(self, guard: KindGuard) -> None:
         """Runs the code of kinds of the cell inside under a guard."""
+        self._guard = guard
         contain_kinds(self._driver, guard)
 
     def close(self) -> None:

@@ -28,6 +28,8 @@ ELEMENT: Final = ClassName("sk:Element")
 """Anything with an individual in the world model."""
 FLOOR: Final = ClassName("sk:Floor")
 """The ground on which everything stands, and on which dropped things lie."""
+FORCE_TORQUE_SENSOR: Final = ClassName("sk:ForceTorqueSensor")
+"""Measures at the flange of an arm what pushes its hand."""
 FURNITURE: Final = ClassName("sk:Furniture")
 """A static thing that robots drive around."""
 GRIPPER: Final = ClassName("sk:Gripper")
@@ -161,6 +163,8 @@ DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 FOOTPRINT: Final = PropertyName("sk:footprint")
 """Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that moves the robot,
 or of a robot without such a device [m]."""
+FORCE_NOISE: Final = PropertyName("sk:forceNoise")
+"""Standard deviation of each force [N]."""
 FRAME: Final = PropertyName("sk:frame")
 """URDF link that the device's readings refer to; for a camera, its optical frame."""
 GOAL: Final = PropertyName("sk:goal")
@@ -186,6 +190,10 @@ JOINTS: Final = PropertyName("sk:joints")
 """Joint names in the robot's URDF, separated by blanks, in the order of every vector about the device."""
 LATENCY: Final = PropertyName("sk:latency")
 """Time from request to answer [s]."""
+LOAD_CENTRE: Final = PropertyName("sk:loadCentre")
+"""Centre of mass of that load in the sensor's frame [m]."""
+LOAD_MASS: Final = PropertyName("sk:loadMass")
+"""Mass that the sensor's joint carries when the hand is empty, whose weight it leaves out [kg]."""
 LOT: Final = PropertyName("sk:lot")
 """Number of the material lot it belongs to."""
 MASS: Final = PropertyName("sk:mass")
@@ -244,6 +252,8 @@ SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")
 """Centre x y z of that area in the element's frame [m]."""
 TIP: Final = PropertyName("sk:tip")
 """URDF link that motions are planned for."""
+TORQUE_NOISE: Final = PropertyName("sk:torqueNoise")
+"""Standard deviation of each torque [N m]."""
 USE_SEQUENCE_NUMBERS: Final = PropertyName("sk:useSequenceNumbers")
 """True if the sequence and work numbers of a scene are used; a property of its floor."""
 VERSION: Final = PropertyName("sk:version")

@@ -9,6 +9,7 @@ import pytest
 
 from skiros_py.devices.arm import ArmSpec, ArmTarget
 from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.force_torque import ForceTorqueSpec
 from skiros_py.devices.gripper import GripperSpec, GripperTarget
 from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
@@ -60,11 +61,16 @@ class TestScanner(DeviceKindContract):
         return SPECS["scanner"]
 
 
+class TestForceTorque(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["force_torque"]
+
+
 def test_each_built_in_device_kind_is_covered() -> None:
     kinds, _ = load_device_kinds()
     own = {kind for kind in kinds.by_name.values() if kind.__module__.startswith("skiros_py.")}
 
-    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec, LocaliserSpec, ScannerSpec}
+    assert own == {ArmSpec, BaseSpec, CameraSpec, ForceTorqueSpec, GripperSpec, LocaliserSpec, ScannerSpec}
     assert {type(device) for device in SPECS.values()} == own
 
 

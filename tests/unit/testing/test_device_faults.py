@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
+from skiros_py.devices.force_torque import ForceTorqueState
 from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.devices.mobile_base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
+from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.values import DepthImage, Done, Pending
 from skiros_py.simulation.fake.cell import FakeCell
-from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
+from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says, Unplugged
 from skiros_py.testing.conformance import small_cell
 
 AHEAD = {"base": BaseTwist(0.5, 0.0)}
@@ -85,6 +88,18 @@ def test_a_cell_that_dies_answers_no_more() -> None:
 
     with pytest.raises(DeviceError, match="the bus does not answer"):
         drive(driver, 0.1)
+
+
+def test_an_unplugged_device_is_switched_off_and_the_others_go_on() -> None:
+    board = DeviceBoard(cell(Unplugged("force_torque", after=0.1)))
+    sensor = DeviceHandle[Any, ForceTorqueState, Any](board, "force_torque")
+    assert sensor.state == ForceTorqueState()
+    for _ in range(30):
+        board.exchange()
+
+    with pytest.raises(DeviceError, match=r"force_torque .* was switched off: it does not answer"):
+        _ = sensor.state
+    assert DeviceHandle[Any, ArmState, Any](board, "arm").state.still
 
 
 class Seeing(FakeCell):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
-from skiros_py.geometry import Array, Pose
-from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Wrench
+from skiros_py.geometry import Array, Pose, rotation_matrix
+from skiros_py.ports.simulation import JointLimits, JointReadings, Surface, Twist, Vector, Wrench
 from skiros_py.simulation.models import read_urdf, soft_links
 from skiros_py.simulation.pybullet.client import Client
 
@@ -185,7 +185,7 @@ class PyBulletJoints:
         self._client = model.client
         self._body = model.body
         self._indices = [model.numbers[name] for name in names]
-        self._measured = False
+        self._centres: list[tuple[Vector, Array | None]] = []  # of mass where reactions are measured, and its axes
         rows = [model.infos[index] for index in self._indices]
         self.links = tuple(str(row[12].decode()) for row in rows)
         lower, upper, effort, velocity = (np.array([row[column] for row in rows]) for column in (8, 9, 10, 11))
@@ -258,12 +258,16 @@ class PyBulletJoints:
 
     def reactions(self) -> tuple[Wrench, ...]:
         """Returns the wrench through each joint after the last step, in the frame of the link that it moves."""
-        if not self._measured:
-            self._measured = True
+        if not self._centres:
             for index in self._indices:
                 self._client.enableJointForceTorqueSensor(self._body, index, True)
-        states = self._client.getJointStates(self._body, self._indices)
-        return tuple(Wrench(tuple(state[2][:3]), tuple(state[2][3:])) for state in states)
+                inertial = self._client.getDynamicsInfo(self._body, index)
+                turn = rotation_matrix(inertial[4])
+                self._centres.append((_vector(inertial[3]), None if np.allclose(turn, np.eye(3)) else turn))
+        states = self._model.read()
+        return tuple(
+            _at_joint(states[index][2], *centre) for index, centre in zip(self._indices, self._centres, strict=True)
+        )
 
     def couple(self, *, ratio: float, effort: float) -> None:
         """Couples two joints mechanically; a gear of PyBullet counts the turns of both against each other."""
@@ -335,6 +339,20 @@ def surface_options(surface: Surface) -> Mapping[str, Any]:
         "frictionAnchor": 1 if surface.anchored else None,
     }
     return {key: value for key, value in stated.items() if value is not None}
+
+
+def _at_joint(reaction: Sequence[float], centre: Vector, turn: Array | None) -> Wrench:
+    """Returns a reaction in the frame of its link: PyBullet gives it at the link's centre of mass, along its axes.
+
+    Args:
+        reaction: Force and torque as PyBullet gives them.
+        centre: The centre of mass in the frame of the link [m].
+        turn: How the axes there are turned in that frame; None where they are not.
+    """
+    if turn is not None:
+        reaction = (*(turn @ np.asarray(reaction[:3])), *(turn @ np.asarray(reaction[3:])))
+    (x, y, z), (fx, fy, fz, tx, ty, tz) = centre, reaction
+    return Wrench((fx, fy, fz), (tx + y * fz - z * fy, ty + z * fx - x * fz, tz + x * fy - y * fx))
 
 
 def _switch_off(client: Client, body: int, indices: Sequence[int]) -> None:

@@ -6,6 +6,7 @@ import math
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.force_torque import ForceTorqueSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.devices.mobile_base import BaseSpec
@@ -32,6 +33,7 @@ def small_cell(*, cameras: bool = True) -> CellSpec:
             LocaliserSpec("localiser"),
             ScannerSpec("scanner", "scanner", math.pi, 5.0),
             ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),
+            ForceTorqueSpec("force_torque", "arm", "panda_joint7", "panda_link8", 1.222, (0.0, 0.0, 0.035)),
             GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
             *((eye,) if cameras else ()),
         ),

@@ -69,7 +69,7 @@ def test_a_closed_device_takes_neither_commands_nor_modules_until_it_is_opened(s
 
 
 def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_first(station: Station) -> None:
-    for device in ("arm", "base", "localiser", "scanner"):
+    for device in ("arm", "base", "force_torque", "localiser", "scanner"):
         station.devices.close(device)
     assert station.connection.connected
     station.devices.close("gripper")
@@ -80,7 +80,7 @@ def test_a_driver_is_disconnected_with_its_last_device_and_connected_with_the_fi
 
     assert station.connection.connected
     assert len(station.made) == 2
-    assert station.board.closed == {"arm", "gripper", "localiser", "scanner"}
+    assert station.board.closed == {"arm", "force_torque", "gripper", "localiser", "scanner"}
 
 
 def test_a_device_in_use_or_in_motion_cannot_be_closed(station: Station) -> None:

@@ -23,7 +23,7 @@ def test_the_scene_tree_follows_placements_and_parts_from_its_roots(world: World
     assert list(roots) == ["floor", "unknown_location"]
     assert outline(roots["unknown_location"]) == {
         "robot_1": {
-            "arm_1": {"camera_1": {}, "gripper_1": {}},
+            "arm_1": {"camera_1": {}, "force_torque_1": {}, "gripper_1": {}},
             "base_1": {"localiser_1": {}, "scanner_1": {}},
             "deck_1": {},
         }
