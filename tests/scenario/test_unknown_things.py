@@ -59,9 +59,45 @@ def test_a_thing_that_stands_beside_a_part_is_seen_by_the_camera_and_not_touched
 
     report = session.run(["Holding(gripper_1, starter_1)"])
 
-    seen = [session.world.value(obstacle, v.POSE) for obstacle in session.world.instances(v.OBSTACLE)]
+    unknown = session.runtime.context.pictures.unknown["robot_1"]
     assert max(forces) == 0.0
-    assert any(isinstance(pose, Pose) and math.dist(pose.position[:2], (x + 0.11, y + 0.05)) < 0.05 for pose in seen)
+    assert any(math.dist(one.pose.position[:2], (x + 0.11, y + 0.05)) < 0.05 for one in unknown)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
+def test_a_thing_in_the_way_of_an_arm_is_seen_before_it_moves_there_and_not_touched(
+    open_session: Callable[..., Session],
+) -> None:
+    session = open_session("kitting", seed=1)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    wall = BodySpec("wall", "test:Wall", Solid.box(0.04, 0.3, 0.3), pose=Pose((4.74, 1.55, 0.45)), mass=0.0)
+    session.simulation.add_body(wall)
+    forces = felt(session, "wall")
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+    home = session.run_module("move_arm", {"arm": "arm_1"})
+
+    assert max(forces) == 0.0
+    assert isinstance(home, Success)
+    assert "something unknown that a camera has seen" in str(report)
+    assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
+
+
+def test_a_thing_that_appears_below_a_moving_arm_is_seen_by_its_camera_and_not_touched(
+    open_session: Callable[..., Session], when: Callable[[Session, Callable[[], bool], Callable[[], None]], None]
+) -> None:
+    session = open_session("kitting", seed=3)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    bar = BodySpec("bar", "test:Bar", Solid.box(0.04, 0.6, 0.04), pose=Pose((4.86, 1.6, 0.60)), mass=0.0)
+    texts: list[str] = []
+    session.monitor.subscribe(lambda event: texts.append(f"{event.module} {event.text}"))
+    when(session, lambda: "grasp approaching" in texts, lambda: session.simulation.add_body(bar))
+    forces = felt(session, "bar")
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+
+    assert max(forces) == 0.0
+    assert any("arm_1 stops on its way" in text for text in texts)
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
 
 

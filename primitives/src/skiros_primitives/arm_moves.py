@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from skiros_primitives.contact import PRESS, TOLERANCE, ContactWatch, HandForce,
 from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.playback import Playback, even, reversed_way
+from skiros_primitives.views import depth_view
 from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
@@ -29,19 +31,21 @@ from skiros_py.ports.motion import (
     Held,
     JointMove,
     LineMove,
+    MotionCheck,
     MotionPlan,
     MotionRequest,
     NoMotion,
     Obstacle,
     PoseMove,
     Route,
+    SceneMapper,
     Trajectory,
 )
 from skiros_py.ports.paths import Outline
 from skiros_py.ports.perception import HeldRegistrar, HeldRequest, HeldResult
-from skiros_py.ports.values import DepthImage
+from skiros_py.ports.values import DepthImage, Pending
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Failure
+from skiros_py.skills.outcome import Failure, tick
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles, solid_of
 from skiros_py.world.vocabulary import GRIPPER, HAS_A, MANIPULATABLE, MASS, OBSTACLE
@@ -65,6 +69,10 @@ _BLOCK = 0.10
 """Side length of the block that is assumed where a link has met something [m]."""
 _AHEAD = 0.10
 """How far the middle of that block is ahead of the link's frame [m]."""
+_LOOK_EVERY = 0.2
+"""Time from what a picture showed in the way of an arm to the next picture [s]."""
+_BRAKING = 0.3
+"""Time in which an arm brakes where something is in its way [s]."""
 _SILENCE = 5.0
 """How long a camera may be silent [s]."""
 _ASK_AGAIN = 0.1
@@ -113,6 +121,8 @@ class ArmPrimitive(Primitive[Any]):
     """True once the arm has met something."""
     fitted: frozenset[str] = frozenset()
     """Ids of what was fitted to a picture from where the base stands."""
+    looks_ahead: ClassVar[bool] = True
+    """Whether it takes pictures while its arm moves freely."""
 
     @property
     def arm(self) -> Arm:
@@ -191,7 +201,9 @@ class ArmPrimitive(Primitive[Any]):
                     if self.context.now >= deadline:
                         raise DeviceError("{camera} sends no picture", camera=camera)
                     yield
-                return (yield from self.wait(picture))
+                image = yield from self.wait(picture)
+                self.context.pictures.add(image, camera, self.robot.id)
+                return image
             except DeviceError:
                 if self.context.now >= deadline:
                     raise
@@ -255,21 +267,54 @@ class ArmPrimitive(Primitive[Any]):
         start: tuple[float, ...] | None = None,
         shares: tuple[float, ...] = SHARES,
     ) -> Execution[MotionPlan | NoMotion]:
-        gripper, held = self.context.board.snapshot.of(GripperState).get(self.gripper_id), self.held()
-        around = (*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id))
+        held, around = self.held(), self._around()
+        seen = self._show_pictures(around)
+        others = tuple(replace(one, error=self._error(one)) for one in bodies(self.context, self.robot.id))
         request = MotionRequest(
             device=self.params.arm,
             start=self.arm.state.positions if start is None else start,
             base=base or self.base_pose,
             routes=tuple(routes),
-            obstacles=tuple(replace(one, error=self._error(one)) for one in around),
+            obstacles=(*around, *others, *self.context.pictures.unknown_to(self.robot.id)),
             held=held,
-            gap=gripper.gap if gripper and held else self.gripper_spec.max_gap,  # empty ones may open meanwhile
+            gap=self._gap(held),
             speed=speed,
             seed=self.seed(),
             shares=shares,
         )
-        return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
+        planned = yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request))
+        self._note_unknown(seen)
+        return planned
+
+    def _around(self) -> tuple[Obstacle, ...]:
+        """Returns what is believed to stand around, with the errors of where it is."""
+        return tuple(replace(one, error=self._error(one)) for one in obstacles(self.context, parts=True))
+
+    def _gap(self, held: Held | None) -> float:
+        gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
+        return gripper.gap if gripper and held else self.gripper_spec.max_gap  # empty ones may open meanwhile
+
+    def _show_pictures(self, around: Sequence[Obstacle]) -> Pending[tuple[Obstacle, ...]] | None:
+        """Shows the planner the pictures that it has not got yet; returns its last answer, None for no picture."""
+        mapper, seen = self.context.ports.find(SceneMapper, self.params.arm), None
+        for image, camera in self.context.pictures.take(self.robot.id):
+            with suppress(DeviceError):  # where the camera was, or a robot, is unknown
+                view = depth_view(self.context, self.params.arm, image, camera, around)
+                seen = seen if mapper is None else mapper.see(view)
+        return seen
+
+    def _note_unknown(self, seen: Pending[tuple[Obstacle, ...]] | None) -> None:
+        """Keeps what pictures have shown that is unknown; announces it when that is more than before.
+
+        Args:
+            seen: The planner's answer to the last of them, after a later answer of its has come; None for no picture.
+        """
+        if seen is None or not (self.context.lockstep or seen.done()):
+            return
+        before = self.context.pictures.unknown.get(self.robot.id, ())
+        unknown = self.context.pictures.unknown[self.robot.id] = seen.result()
+        if len(unknown) > len(before):
+            self.emit("unknown_seen", {"things": len(unknown), "at": [one.pose.position for one in unknown]})
 
     def _error(self, thing: Obstacle) -> float:
         """Returns how far beside its believed place something may be for the arm: the localiser's error [m].
@@ -311,8 +356,16 @@ class ArmPrimitive(Primitive[Any]):
         feels = TOLERANCE if force is not None else tolerance
         watch = ContactWatch.of(self.context, self.arm, expected=expected, tolerance=feels)
         playback = Playback(trajectory, self.context.board.period, self.context.now)
-        while not playback.ended:
-            self.arm.command(playback.target(self.context.now))
+        looking = self._look_ahead(trajectory, playback) if landing is None else None
+        blocked: NoMotion | None = None
+        rate, behind = 1.0, 0.0
+        while not playback.ended and rate > 0.0:
+            if looking is not None and blocked is None:
+                blocked = tick(looking)
+            if blocked is not None:  # it brakes along its path
+                rate = max(0.0, rate - self.context.board.period / _BRAKING)
+                behind += (1.0 - rate) * self.context.board.period
+            self.arm.command(playback.target(self.context.now - behind))
             yield
             if force is not None:
                 try:
@@ -334,6 +387,10 @@ class ArmPrimitive(Primitive[Any]):
                     return None
                 is_free = landing is None and not watch.touches_at_start
                 return (yield from self._yield_to(touch, trajectory, is_free=is_free))
+        if blocked is not None and not playback.ended:
+            yield from self._settle(self.arm.state.positions)
+            self.emit("way_blocked", {"device": self.params.arm})
+            return blocked
         last = tuple(trajectory.positions[-1].tolist())
         yield from self._settle(last)
         off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))
@@ -362,6 +419,39 @@ class ArmPrimitive(Primitive[Any]):
     def unfelt(self, why: DeviceError) -> None:
         """Says that the joints feel contact from here on, because a sensor at the hand does not answer."""
         self.progress(2, Message("{reason}: the joints of {arm} feel contact", reason=str(why), arm=self.params.arm))
+
+    def _look_ahead(self, trajectory: Trajectory, playback: Playback) -> Execution[NoMotion] | None:
+        """Takes pictures while the arm moves, until one shows something unknown in the rest of its way.
+
+        Returns:
+            What answers only then; None where the arm has no camera or no planner that takes pictures.
+        """
+        mapper = self.context.ports.find(SceneMapper, self.params.arm)
+        cameras = {one.id for one in self.robot.of(CameraSpec)}
+        camera = next((one for one in self.world.objects(self.params.arm, HAS_A) if one in cameras), None)
+        if not self.looks_ahead or mapper is None or camera is None:
+            return None
+        return self._way_seen(mapper, camera, trajectory, playback)
+
+    def _way_seen(
+        self, mapper: SceneMapper, camera: str, trajectory: Trajectory, playback: Playback
+    ) -> Execution[NoMotion]:
+        around, held = self._around(), self.held()
+        while True:
+            try:
+                yield from self.take_picture(camera)
+            except DeviceError:  # a motion that was planned needs no pictures
+                yield from self.context.sleep(_LOOK_EVERY)
+                continue
+            seen = self._show_pictures(around)
+            rest = trajectory.positions[playback.sample :]
+            asked = mapper.blocked(MotionCheck(self.params.arm, self.base_pose, rest, held, self._gap(held)))
+            blocked = yield from self.wait(asked)
+            self._note_unknown(seen)
+            if blocked is not None:
+                why = Message("{arm} stops on its way: {reason}", arm=self.params.arm, reason=blocked.reason)
+                return replace(blocked, reason=why)
+            yield from self.context.sleep(_LOOK_EVERY)
 
     def _left(self, trajectory: Trajectory) -> float:
         """Returns how far the tip is from the end of a trajectory [m]."""

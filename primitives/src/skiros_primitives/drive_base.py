@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from typing import Any, ClassVar
 
 import shapely
@@ -258,7 +259,7 @@ class DriveBase(DrivingPrimitive):
 
     def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
-        around = (*self._things(), *robots)
+        around = (*self._things(), *chain.from_iterable(self.context.pictures.unknown.values()), *robots)
         request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 

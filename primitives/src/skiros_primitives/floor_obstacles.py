@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 from types import MappingProxyType
 
 import numpy as np
@@ -125,6 +125,7 @@ def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Seque
         *poses: Poses of the base in the map; one alone for where it stands.
     """
     things = [one for one in obstacles(context, parts=False) if not rides(context, one.id, robot)]
+    things += chain.from_iterable(context.pictures.unknown.values())
     for layer in shape(context, robot, {arm: posture})[1:]:
         area = shapely.union_all(swept(layer.outline, (poses[0], *poses)))
         bottom = layer.bottom - _PARTS

@@ -11,12 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from skiros_primitives.arm_moves import refused
-from skiros_primitives.floor_obstacles import bodies
 from skiros_primitives.looking import LookingParams, LookingPrimitive
-from skiros_primitives.lookout import Sight, believe_seen, unexplained
 from skiros_primitives.part_models import part_models
 from skiros_primitives.surfaces import support_region
 from skiros_py.geometry import Pose
@@ -27,7 +23,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose, obstacles
+from skiros_py.skills.surroundings import map_pose
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -108,9 +104,6 @@ def _pair(known: Sequence[str], here: int, poses: Sequence[Pose], believed: dict
 
 _CLEAR = 0.9
 """Minimum fraction of the place that the camera must see for a clear look."""
-_FEWEST = 8
-"""So many points, a centimetre from each other, make a thing."""
-_CAMERA = Sight(Message("seen by a camera"), beside=0.04, grown=0.01, below=0.13, above=0.02)
 _MISSES = 2
 """A part absent from this many clear looks is missing."""
 
@@ -141,7 +134,6 @@ class Locate(LookingPrimitive):
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
                 return refused(look)
-            self._believe_taller(look)
             seen = self._write(look)
             if self.params.part in seen:
                 return Success(Message("{part} is there; {seen} parts seen", part=self.params.part, seen=len(seen)))
@@ -150,13 +142,6 @@ class Locate(LookingPrimitive):
             if clear_looks >= _MISSES:
                 break
         return self.in_vain(why)
-
-    def _believe_taller(self, look: DetectionResult) -> None:
-        """Writes that things are in the way that are higher than parts and not in the world model."""
-        known = (*obstacles(self.context, parts=True), *bodies(self.context, self.robot.id))
-        points = unexplained(np.reshape(look.taller, (-1, 3)), known, on_top=0.0)
-        if len(points) >= _FEWEST:
-            believe_seen(self.world, self.name, points, _CAMERA)
 
     def _write(self, look: DetectionResult) -> set[str]:
         """Writes what was seen, and counts the clear looks that did not show what was expected."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -155,78 +154,55 @@ def forget(world: World, author: str, obstacles: Sequence[str]) -> None:
             tx.remove(obstacle)
 
 
-def unexplained(points: Array, known: Sequence[Obstacle], *, on_top: float = _ON_TOP) -> Array:
+def unexplained(points: Array, known: Sequence[Obstacle]) -> Array:
     """Returns those of some points in the map that belong to nothing believed, shape (n, 3).
 
     Args:
         points: In the map [m], shape (m, 3).
         known: What is believed to stand around.
-        on_top: Height of what may stand on it [m].
     """
     for one in known:
         for block in one.solid.primitives:
-            points = points[_distances(points, one.pose @ block.pose, block, on_top) > _EXPLAINED]
+            points = points[_distances(points, one.pose @ block.pose, block) > _EXPLAINED]
     return points
 
 
-@dataclass(frozen=True, slots=True)
-class Sight:
-    """How exactly a sensor shows things.
-
-    Attributes:
-        reason: How things were found.
-        beside: Points closer than this to each other belong to one thing [m].
-        grown: By how much a thing is taken to be larger than what was seen of it [m].
-        below, above: How far it may reach below and above that [m].
-    """
-
-    reason: str
-    beside: float = _BESIDE
-    grown: float = _GROWN
-    below: float = _BELOW
-    above: float = _BELOW
-
-
-_SCANNER = Sight(Message("seen by a scanner"))
-
-
-def believe_seen(world: World, author: str, points: Array, sight: Sight = _SCANNER) -> list[str]:
+def believe_seen(world: World, author: str, points: Array) -> list[str]:
     """Writes the things that points show, each as a block around them; returns their ids.
 
     Args:
         world: The world model.
         author: Who saw them.
         points: In the map [m], shape (n, 3).
-        sight: What saw them.
     """
-    found = []
-    for area, low, high in _things(points, sight):
+    found, reason = [], Message("seen by a scanner")
+    for area, low, high in _things(points):
         (x0, y0), (x1, y1), (x2, y2), *_ = shapely.get_coordinates(area).tolist()
         middle = area.centroid
         length, width = math.hypot(x1 - x0, y1 - y0), math.hypot(x2 - x1, y2 - y1)
         pose = Pose.of(middle.x, middle.y, low, yaw=math.atan2(y1 - y0, x1 - x0))
-        found.append(believe_obstacle(world, author, pose, (length, width, high - low), sight.reason))
+        found.append(believe_obstacle(world, author, pose, (length, width, high - low), reason))
     return found
 
 
-def _things(points: Array, sight: Sight) -> Iterator[tuple[BaseGeometry, float, float]]:
+def _things(points: Array) -> Iterator[tuple[BaseGeometry, float, float]]:
     """Yields a rectangle around each thing, and the heights between which it was seen [m]."""
-    for part in shapely.get_parts(shapely.MultiPoint(points[:, :2]).buffer(sight.beside / 2.0)):
+    for part in shapely.get_parts(shapely.MultiPoint(points[:, :2]).buffer(_BESIDE / 2.0)):
         mine = shapely.contains_xy(part, points[:, :2])
         if mine.any():
-            around = shapely.MultiPoint(points[mine, :2]).buffer(sight.grown).minimum_rotated_rectangle
+            around = shapely.MultiPoint(points[mine, :2]).buffer(_GROWN).minimum_rotated_rectangle
             low, high = float(points[mine, 2].min()), float(points[mine, 2].max())
-            yield around, 0.0 if low < 3.0 * _BELOW else low - sight.below, high + sight.above
+            yield around, 0.0 if low < 3.0 * _BELOW else low - _BELOW, high + _BELOW
 
 
-def _distances(points: Array, pose: Pose, block: Primitive, on_top: float) -> Array:
+def _distances(points: Array, pose: Pose, block: Primitive) -> Array:
     """Returns the distances of points from a block and what may stand on it, shape (n,).
 
     A cylinder counts as the box around it.
     """
     half = _half(block)
     local = pose.inverse().apply(points)
-    local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - on_top))
+    local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - _ON_TOP))
     outside = np.abs(local) - half
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
 

@@ -31,6 +31,11 @@ class Playback:
         self._sample = 0.0
 
     @property
+    def sample(self) -> int:
+        """Number of the sample that was returned last, rounded down."""
+        return int(self._sample)
+
+    @property
     def ended(self) -> bool:
         """True once the last sample has been returned."""
         return self._sample >= len(self._trajectory.positions) - 1

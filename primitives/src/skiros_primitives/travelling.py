@@ -53,6 +53,7 @@ class _TravellingArm(MoveArm, LookingPrimitive):
     """Plans and follows the motions of one arm, in the name of the drive."""
 
     name: ClassVar[str] = "drive_base"
+    looks_ahead: ClassVar[bool] = False  # it moves with its base: what is seen there now is not what is there then
 
     @dataclass(frozen=True, slots=True)
     class Params:

@@ -13,7 +13,7 @@ from skiros_py.ports.adapters import Adapter, Request
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.kinematics import Dynamics, InverseKinematics, Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePlanner, SamplingPlanner
+from skiros_py.ports.motion import ArmPlanner, BasePlanner, SamplingPlanner, SceneMapper
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
 
@@ -21,7 +21,7 @@ _LATENCY = 0.05
 
 
 class WorkerPlanner:
-    """Plans motions in a worker process: an :class:`~skiros_py.ports.motion.ArmPlanner` or a ``BasePlanner``.
+    """Plans motions in a worker process: an ``ArmPlanner`` with a ``SceneMapper``, or a ``BasePlanner``.
 
     Args:
         name: Name of the process.
@@ -36,6 +36,14 @@ class WorkerPlanner:
     def plan(self, request: Any) -> Pending[Any]:
         """Plans one request."""
         return self._worker.call("plan", request, latency=self._latency)
+
+    def see(self, view: Any) -> Pending[Any]:
+        """Shows the planner of arms a picture."""
+        return self._worker.call("see", view, latency=self._latency)
+
+    def blocked(self, check: Any) -> Pending[Any]:
+        """Asks the planner of arms what that was seen is in the way of a motion."""
+        return self._worker.call("blocked", check, latency=self._latency)
 
     def close(self) -> None:
         """Ends the worker process."""
@@ -105,7 +113,7 @@ def _python_planner(name: str) -> Callable[[Request], object]:
     return make
 
 
-ARM_PLANNER = Adapter((ArmPlanner,), _arm_planner, serves=_is_arm, one_for="robot")
+ARM_PLANNER = Adapter((ArmPlanner, SceneMapper), _arm_planner, serves=_is_arm, one_for="robot")
 BASE_PLANNER = Adapter(
     (BasePlanner,),
     lambda _request: WorkerPlanner("base paths", base_paths),

@@ -103,8 +103,6 @@ _RAISED = 0.008
 _BESIDE = 0.015
 _CLIP = 0.030
 _CONTRADICTED = 0.003
-_BEYOND = 0.15
-_THINNED = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,16 +151,7 @@ def detect(request: DetectionRequest) -> DetectionResult:
         surface=(request.region.pose @ Pose.of(0.0, 0.0, plane.offset)).position[2],
         detections=tuple(sorted(found, key=lambda thing: request.region.pose.distance(thing.pose))),
         visible=visible_share(view, plane, half),
-        taller=_taller(request, view.points[heights > HIGHEST]),
     )
-
-
-def _taller(request: DetectionRequest, points: Array) -> tuple[tuple[float, float, float], ...]:
-    """Returns those of some points, in the region's frame, that are in or around the region, thinned, in the map."""
-    near = np.all(np.abs(points[:, :2]) <= np.asarray(request.region.half_extents) + _BEYOND, axis=1)
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points[near]))
-    thinned = request.region.pose.apply(np.asarray(cloud.voxel_down_sample(_THINNED).points).reshape(-1, 3))
-    return tuple((float(x), float(y), float(z)) for x, y, z in thinned)
 
 
 def _things(scene: _Scene) -> list[_Thing]:

@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.paths import Layer, Path
-from skiros_py.ports.values import Pending
+from skiros_py.ports.values import CameraIntrinsics, Pending
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,6 +249,58 @@ class ArmPlanner(Protocol):
 
     def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
         """Plans one request."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DepthView:
+    """A picture of a depth camera, for what plans among the things that it shows.
+
+    Attributes:
+        device: Id of the arm for which it is.
+        depth: Distance along the optical axis [m], shape (height, width); 0 where nothing was measured.
+        intrinsics: The camera's model.
+        camera_pose: Pose of the optical frame in the map.
+        time: When it was taken [s].
+        known: What is believed to stand around. What is near to it, or within its error, belongs to it.
+        moving: The robots where they were then, and what they held: the same, but only for what this picture shows.
+    """
+
+    device: str
+    depth: NDArray[np.float32]
+    intrinsics: CameraIntrinsics
+    camera_pose: Pose
+    time: float
+    known: tuple[Obstacle, ...]
+    moving: tuple[Obstacle, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionCheck:
+    """The rest of a motion that is under way.
+
+    Attributes:
+        device: Id of the arm.
+        base: Pose of the robot's base in the map.
+        positions: Joint angles from now on [rad], shape (n, joints).
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers [m].
+    """
+
+    device: str
+    base: Pose
+    positions: Array
+    held: Held | None
+    gap: float
+
+
+class SceneMapper(Protocol):
+    """Shows a planner of arms what cameras see, which it keeps the arms away from; calls count in their order."""
+
+    def see(self, view: DepthView) -> Pending[tuple[Obstacle, ...]]:
+        """Takes in a picture; answers with blocks around all that was seen, up to now, and is unknown."""
+
+    def blocked(self, check: MotionCheck) -> Pending[NoMotion | None]:
+        """Answers what that was seen is in the way of a motion; None for nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

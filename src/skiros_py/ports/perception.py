@@ -81,13 +81,11 @@ class DetectionResult:
         detections: Things on it, nearest to the region's middle first.
         visible: Share of the region (0 to 1) that the camera saw without anything in between and without being cut
             off by the image border; a look is *clear* when this is high.
-        taller: Points in and around the region that are higher above the surface than any part, in the map [m].
     """
 
     surface: float | None
     detections: tuple[Detection, ...]
     visible: float
-    taller: tuple[tuple[float, float, float], ...] = ()
 
 
 class PartDetector(Protocol):

@@ -29,6 +29,7 @@ from skiros_py.ports.signals import SignalReader
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import Assign, Effect, effects_of, write_effects
 from skiros_py.skills.conditions.pattern import NumberChange
+from skiros_py.skills.pictures import Pictures
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.world import World
@@ -285,6 +286,7 @@ class RunContext:
         signals: The signals of the current cycle.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
         tried: What was tried in vain for the same purpose, by earlier runs too.
+        pictures: The depth pictures that were taken.
     """
 
     world: World
@@ -304,6 +306,7 @@ class RunContext:
     call: Caller = _no_manager
     effects: Effects | None = None
     tried: Tried = field(default_factory=Tried)
+    pictures: Pictures = field(default_factory=Pictures)
 
     @property
     def now(self) -> float:

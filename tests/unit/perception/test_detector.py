@@ -105,22 +105,6 @@ def test_a_part_that_fills_its_compartment_is_seen_and_an_empty_one_is_empty(stu
     assert empty.visible >= 0.9
 
 
-def test_what_is_higher_than_any_part_is_shown_where_it_is(studio: Studio) -> None:
-    rng = np.random.default_rng(3)
-    bodies = [studio.table(0.5), studio.part("Compressor", 0.02, 0.05, 0.5, 0.4)]
-    camera = studio.over(0.0, 0.0, 0.96)
-    post = Solid.box(0.04, 0.04, 0.30), Pose.of(-0.06, -0.10, 0.5)
-
-    without = detect(studio.look(bodies, camera, region(0.5), rng))
-    beside = detect(studio.look([*bodies, post], camera, region(0.5), rng))
-
-    points = np.array(beside.taller)
-    assert without.taller == ()
-    assert len(points) >= 16
-    assert points[:, :2].mean(axis=0) == pytest.approx((-0.06, -0.10), abs=0.02)
-    assert points[:, 2].max() == pytest.approx(0.80, abs=0.01)
-
-
 def test_the_surface_height_is_found_from_a_guess_that_is_centimetres_off(studio: Studio) -> None:
     rng = np.random.default_rng(1)
     bodies = [studio.table(0.50), studio.part("Compressor", 0.02, 0.05, 0.50, 0.4)]

@@ -12,17 +12,20 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
-from skiros_py.motion.pinocchio.collision import Checker, CollisionScene, self_collision_pairs
+from skiros_py.motion.pinocchio.collision import SEEN, Checker, CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
 from skiros_py.motion.pinocchio.lines import Lines
 from skiros_py.motion.pinocchio.route_search import Chain, Postures, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
+from skiros_py.motion.voxels import VoxelMap, things
 from skiros_py.ports.adapters import InstalledPorts, Ports
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import (
+    DepthView,
     Held,
     LineMove,
+    MotionCheck,
     MotionPlan,
     MotionRequest,
     NoMotion,
@@ -35,6 +38,8 @@ from skiros_py.ports.paths import hull
 
 _THICK = 0.12
 """How far links, hand and camera stick out around the joints and the tip [m]."""
+_CHECKED = 5
+"""Every so many samples of a motion that is under way are checked; between two, nothing moves by more than 2 cm."""
 _STEP = 10
 """Every so many samples of a trajectory are looked at; between two, nothing moves by more than 0.1 m."""
 
@@ -101,6 +106,30 @@ class ArmMotion:
         self._kept = {name: KeptPaths() for name in self._arms}
         self._reflexes = reflexes
         self._self_pairs = {name: self_collision_pairs(arm) for name, arm in self._arms.items()}
+        self._map = VoxelMap()
+
+    def see(self, view: DepthView) -> tuple[Obstacle, ...]:
+        """Takes in a picture; returns blocks around all that motions keep away from because it was seen, up to now."""
+        self._map.see(view)
+        return tuple(Obstacle(SEEN, solid, pose) for pose, solid in things(self._map.occupied))
+
+    def blocked(self, check: MotionCheck) -> NoMotion | None:
+        """Returns what that was seen is in the way of a motion; None for nothing.
+
+        Raises:
+            UnknownName: The robot has no such arm.
+        """
+        arm, start = self._arm(check.device), check.positions[0]
+        scene = CollisionScene(arm, (), check.base, (), check.held, check.gap, voxels=self._map.occupied)
+        checker = scene.checker(0.0, start=start)
+        faults = (checker.fault(posture) for posture in (*check.positions[::_CHECKED], check.positions[-1]))
+        fault = next((fault for fault in faults if fault is not None), None)
+        return None if fault is None else NoMotion.because(fault.cause, fault.reason)
+
+    def _arm(self, name: str) -> ArmModel:
+        if name not in self._arms:
+            raise UnknownName("arm", name, self._arms)
+        return self._arms[name]
 
     def plan(self, request: MotionRequest) -> MotionPlan | NoMotion:
         """Plans one request.
@@ -108,9 +137,7 @@ class ArmMotion:
         Raises:
             UnknownName: The robot has no such arm.
         """
-        if request.device not in self._arms:
-            raise UnknownName("arm", request.device, self._arms)
-        arm = self._arms[request.device]
+        arm = self._arm(request.device)
         start = np.array(request.start)
         if beyond := arm.beyond_limits(start, _START_SLACK):
             return NoMotion.because("limits", f"the arm starts with {beyond}")
@@ -120,7 +147,9 @@ class ArmMotion:
         postures = Postures(arm, solver, request.base, request.seed)
         for share in request.shares if any(one.error for one in request.obstacles) else (1.0,):
             around = [_grown(one, share * one.error) for one in request.obstacles]
-            scene = CollisionScene(arm, pairs, request.base, around, request.held, request.gap, request.constraints)
+            scene = CollisionScene(
+                arm, pairs, request.base, around, request.held, request.gap, request.constraints, self._map.occupied
+            )
             moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
             search = RouteSearch(arm, scene, postures, lines, moves)
             found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
+from skiros_py.motion.voxels import Voxels, boxes
 from skiros_py.ports.motion import Cause, Cone, Constraint, Held, KeepOut, Obstacle
 
 _HELD = "what it holds"
+SEEN = "something unknown that a camera has seen"
 _SAMPLES = 200
 _ALWAYS = 0.9  # share of random postures; shapes that overlap that often are neighbours
 _MANY = 150
@@ -109,6 +111,7 @@ class CollisionScene:
         held: What the gripper holds, or None.
         gap: Gap between the fingers [m].
         constraints: What holds everywhere.
+        voxels: What was seen and is unknown, in the map; None for nothing.
 
     Attributes:
         near: The obstacles within reach, keep-out volumes among them, their poses in the frame of the base.
@@ -126,6 +129,7 @@ class CollisionScene:
         held: Held | None,
         gap: float,
         constraints: Iterable[Constraint] = (),
+        voxels: Voxels | None = None,
     ) -> None:
         self._arm = arm
         self.held, self.gap = held, gap
@@ -152,11 +156,20 @@ class CollisionScene:
         self.near: list[Obstacle] = []
         for number, obstacle in enumerate((*volumes, *obstacles)):
             self._add_obstacle(replace(obstacle, pose=to_base @ obstacle.pose), kept_out=number < len(volumes))
+        self._voxels = self._add_voxels(voxels, to_base) if voxels is not None else None
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """The pairs that are checked, as the contacts they would be."""
         return tuple(pair.contact for pair in self._pairs)
+
+    @property
+    def seen(self) -> tuple[Obstacle, ...]:
+        """The voxels within reach as one obstacle of boxes, its pose in the frame of the base; nothing for none."""
+        if self._voxels is None:
+            return ()
+        voxels, to_base = self._voxels
+        return (Obstacle(SEEN, boxes(voxels), to_base),)
 
     def checker(
         self,
@@ -201,6 +214,17 @@ class CollisionScene:
                     self._pair(i, shape_id, obstacle.id, kept_out=kept_out, top=top)
             for held_id in self._held:
                 self._pair(held_id, shape_id, obstacle.id, kept_out=kept_out, top=top)
+
+    def _add_voxels(self, voxels: Voxels, to_base: Pose) -> tuple[Voxels, Pose] | None:
+        away = np.linalg.norm(to_base.apply(voxels.centres) - self._arm.shoulder, axis=1)
+        near = replace(voxels, centres=voxels.centres[away < self._arm.reach + 0.4])
+        if not len(near.centres):
+            return None
+        shape = coal.makeOctree(near.centres, near.size)
+        shape_id = int(self._shapes.addGeometryObject(pin.GeometryObject(SEEN, 0, 0, se3(to_base), shape)))
+        for i in (*(i for i, joint, _ in self._robot if joint > 0), *self._held):
+            self._pair(i, shape_id, SEEN, top=math.inf)
+        return near, to_base
 
     def _within_reach(self, placement: pin.SE3, block: Primitive) -> bool:
         radius = float(np.linalg.norm(block.size))
@@ -308,7 +332,10 @@ class Checker:
         for i in self._touching(q):
             distance = pin.computeDistance(self._shapes, self._results, i).min_distance
             request = self._results.collisionRequests[i]
-            request.security_margin = min(request.security_margin, distance - 0.001)
+            if self._contacts[i].other == SEEN and distance <= 0.001:  # Coal measures no depth in octrees
+                self._results.deactivateCollisionPair(i)
+            else:
+                request.security_margin = min(request.security_margin, distance - 0.001)
         self._start, self._strict = q, strict
 
     def _beyond(self, q: Array) -> Checker | None:

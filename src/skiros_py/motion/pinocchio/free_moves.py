@@ -146,7 +146,7 @@ class FreeMoves:
                 straight=lambda one, other: self._straight(checker, one, other, _COARSE),
                 project=checker.project,
                 constrained=bool(self._scene.cones),
-                obstacles=tuple(self._scene.near),
+                obstacles=(*self._scene.near, *self._scene.seen),
                 held=self._scene.held,
                 gap=self._scene.gap,
                 margin=FREE_MARGIN,

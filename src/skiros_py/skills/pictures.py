@@ -1,0 +1,44 @@
+"""Depth pictures on their way to what plans the motions of arms, and what they showed there that is unknown."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from skiros_py.ports.motion import Obstacle
+from skiros_py.ports.values import DepthImage
+
+_KEPT = 8
+"""Number of pictures that wait for one robot at most; older ones are dropped."""
+
+
+class Pictures:
+    """The pictures that the robots of a cell took, for each of them; for the control thread only.
+
+    A picture waits until its robot plans the next motion: what it shows is written into the world model by then. Other
+    robots do not get it, as they may plan before that, or long after that; they get what was found to be unknown.
+
+    Attributes:
+        unknown: Blocks around what pictures have shown that nothing explains, by the robot whose planner knows it.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: dict[str, deque[tuple[DepthImage, str]]] = {}
+        self.unknown: dict[str, tuple[Obstacle, ...]] = {}
+
+    def add(self, image: DepthImage, camera: str, robot: str) -> None:
+        """Takes a picture.
+
+        Args:
+            image: The picture.
+            camera: Id of the camera.
+            robot: Id of the robot that took it.
+        """
+        self._waiting.setdefault(robot, deque(maxlen=_KEPT)).append((image, camera))
+
+    def unknown_to(self, robot: str) -> tuple[Obstacle, ...]:
+        """Returns blocks around what other robots have seen, and a robot's planner does not know."""
+        return tuple(one for other, seen in self.unknown.items() if other != robot for one in seen)
+
+    def take(self, robot: str) -> list[tuple[DepthImage, str]]:
+        """Returns the pictures of a robot that its planner has not got yet, each with the id of its camera."""
+        return list(self._waiting.pop(robot, ()))
