@@ -367,20 +367,13 @@ class ArmPrimitive(Primitive[Any]):
                 behind += (1.0 - rate) * self.context.board.period
             self.arm.command(playback.target(self.context.now - behind))
             yield
-            if force is not None:
-                try:
-                    pressed = force.push()[2] >= PRESS
-                except DeviceError as error:
-                    self.unfelt(error)
-                    force, pressed = None, False
-                    if watch is not None:
-                        watch.tolerance = tolerance
-                if pressed:
-                    yield from self._settle(self.arm.state.positions)
-                    if landing is not None and self._left(trajectory) <= landing:
-                        return None
-                    reason = Message("{link} of {arm} met something", link=self.arm.spec.tip, arm=self.params.arm)
-                    return NoMotion(reason, met=True)
+            pressed = force is not None and self._presses(force)
+            if pressed:
+                return (yield from self._stay(trajectory, landing))
+            if pressed is None:
+                force = None
+                if watch is not None:
+                    watch.tolerance = tolerance
             if watch is not None and (touch := watch.felt()) is not None:
                 if landing is not None and self._left(trajectory) <= landing:
                     yield from self._settle(self.arm.state.positions)
@@ -404,6 +397,21 @@ class ArmPrimitive(Primitive[Any]):
                 met=True,
             )
         return None
+
+    def _presses(self, force: HandForce) -> bool | None:
+        """Returns whether the hand presses onto something; None where the sensor does not answer any more."""
+        try:
+            return bool(force.push()[2] >= PRESS)
+        except DeviceError as error:
+            self.unfelt(error)
+            return None
+
+    def _stay(self, trajectory: Trajectory, landing: float | None) -> Execution[NoMotion | None]:
+        """Stays where the hand presses onto something; returns why that is not where the motion was to end."""
+        yield from self._settle(self.arm.state.positions)
+        if landing is not None and self._left(trajectory) <= landing:
+            return None
+        return NoMotion(Message("{link} of {arm} met something", link=self.arm.spec.tip, arm=self.params.arm), met=True)
 
     def feel_hand(self) -> Execution[HandForce | None]:
         """Returns what pushes the hand besides what it holds now; None where nothing measures it."""
