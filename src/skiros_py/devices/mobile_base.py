@@ -219,8 +219,8 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
 
 _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
-_SHARE = 0.9
-"""Share of each limit that is planned with; the rest is left for corrections."""
+_SHARES = (0.95, 0.9)
+"""Share of the limits of driving and turning that is planned with; the rest is left for corrections."""
 _BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
@@ -323,12 +323,15 @@ class Speeds:
         step = float(curve.along[1] - curve.along[0])
         fastest = np.where(curve.ahead < 0.0, min(self.linear, _BLIND), self.linear)
         squared = np.full(len(curve.along), math.inf)
-        parts, most = [], (self.acceleration, self.angular_acceleration)
-        for share, speed, limit in zip((curve.ahead, curve.turn), (fastest, _SHARE * self.angular), most, strict=True):
+        parts = []
+        pushes = _SHARES[0] * self.acceleration, _SHARES[1] * self.angular_acceleration
+        for share, speed, limit in zip(
+            (curve.ahead, curve.turn), (fastest, _SHARES[1] * self.angular), pushes, strict=True
+        ):
             size = np.maximum(np.abs(share), 1e-9)  # a velocity is share * rate
             bend = np.gradient(share, step) * np.where(share < 0.0, -1.0, 1.0)
             squared = np.minimum(squared, (speed / size) ** 2)
-            parts.append((size, bend, _SHARE * limit))
+            parts.append((size, bend, limit))
         (ahead, jolt, push), (turn, swerve, swing) = parts
         both = np.maximum(np.abs(jolt * turn - swerve * ahead), 1e-9)  # where one limit asks for what the other forbids
         squared = np.minimum(squared, (push * turn + swing * ahead) / both)
