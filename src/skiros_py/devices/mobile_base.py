@@ -219,7 +219,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
 
 _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
-_SHARES = (0.95, 0.9)
+_SHARES = (0.95, 0.87)
 """Share of the limits of driving and turning that is planned with; the rest is left for corrections."""
 _BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
