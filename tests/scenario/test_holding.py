@@ -97,7 +97,7 @@ def test_a_part_that_moves_before_it_is_grasped_is_held_as_it_sits_or_grasped_ag
     def block_postures() -> None:
         for posture in carrying_postures(arm_of(session)):
             x, y, z = tip(session, posture).position
-            believe_obstacle(session.world, "test", Pose((x, y, z - 0.07)), (0.12, 0.12, 0.12), "at the fingers")
+            believe_obstacle(session.world, "test", Pose((x, y, z - 0.07)), (0.08, 0.08, 0.09), "at the fingers")
 
     when(session, announced(session, "lifting"), block_postures)
     report, reasons = pick(session, "starter_1")

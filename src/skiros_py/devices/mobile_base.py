@@ -219,8 +219,8 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
 
 _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
-_SHARE = 0.95
-"""Share of each limit that is planned with; the rest is left for corrections."""
+_SHARES = (0.95, 0.87)
+"""Share of the limits of driving and turning that is planned with; the rest is left for corrections."""
 _BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
@@ -313,27 +313,42 @@ class Speeds:
     def along(self, curve: Curve, *, start: float = math.inf) -> Array:
         """Returns the greatest rates of way at the points of a curve [m/s], which ends at rest.
 
+        The rates are found backwards, from where the base can still brake, and then forwards: Pham and Pham, "A new
+        approach to time-optimal path parameterization based on reachability analysis" (2018), for two velocities.
+
         Args:
             curve: The curve.
             start: Rate at its beginning [m/s].
         """
         step = float(curve.along[1] - curve.along[0])
-        push, swing = _SHARE * self.acceleration, _SHARE * self.angular_acceleration
-        ahead, turn = np.maximum(np.abs(curve.ahead), 1e-9), np.maximum(np.abs(curve.turn), 1e-9)
-        jolt, swerve = (np.maximum(np.abs(np.gradient(one, step)), 1e-9) for one in (curve.ahead, curve.turn))
         fastest = np.where(curve.ahead < 0.0, min(self.linear, _BLIND), self.linear)
-        squared = np.minimum(fastest / ahead, _SHARE * self.angular / turn) ** 2
-        squared = np.minimum(squared, _SHARE * np.minimum(push / jolt, swing / swerve))
+        squared = np.full(len(curve.along), math.inf)
+        parts = []
+        pushes = _SHARES[0] * self.acceleration, _SHARES[1] * self.angular_acceleration
+        for share, speed, limit in zip(
+            (curve.ahead, curve.turn), (fastest, _SHARES[1] * self.angular), pushes, strict=True
+        ):
+            size = np.maximum(np.abs(share), 1e-9)  # a velocity is share * rate
+            bend = np.gradient(share, step) * np.where(share < 0.0, -1.0, 1.0)
+            squared = np.minimum(squared, (speed / size) ** 2)
+            parts.append((size, bend, limit))
+        (ahead, jolt, push), (turn, swerve, swing) = parts
+        both = np.maximum(np.abs(jolt * turn - swerve * ahead), 1e-9)  # where one limit asks for what the other forbids
+        squared = np.minimum(squared, (push * turn + swing * ahead) / both)
         squared[0], squared[-1] = min(squared[0], start**2), 0.0
-        found, *limits = (one.tolist() for one in (squared, push / ahead, jolt / ahead, swing / turn, swerve / turn))
-        rows = list(zip(*limits, strict=True))
-        for order in (range(len(found) - 1), range(len(found) - 1, 0, -1)):
-            for index in order:
-                here = found[index]
-                driving, bending, turning, swerving = rows[index]
-                gain = 2.0 * step * min(driving - bending * here, turning - swerving * here)
-                after = index + (1 if order.step > 0 else -1)
-                found[after] = min(found[after], here + gain)
+        found = squared.tolist()
+        gains = (2.0 * step * np.column_stack([push / ahead, jolt / ahead, swing / turn, swerve / turn])).tolist()
+        for index in range(len(found) - 2, -1, -1):
+            driving, bending, turning, swerving = gains[index]
+            after = found[index + 1]
+            if bending < 1.0:
+                found[index] = min(found[index], (after + driving) / (1.0 - bending))
+            if swerving < 1.0:
+                found[index] = min(found[index], (after + turning) / (1.0 - swerving))
+        for index, (driving, bending, turning, swerving) in enumerate(gains[:-1]):
+            here = found[index]
+            gain = min(driving - bending * here, turning - swerving * here)
+            found[index + 1] = max(0.0, min(found[index + 1], here + gain))
         return np.asarray(np.sqrt(found))
 
     def duration(self, curve: Curve) -> float:

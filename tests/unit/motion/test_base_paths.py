@@ -129,7 +129,7 @@ def test_the_path_around_a_wall_has_few_turns() -> None:
 
     length = sum(a.distance(b) for a, b in pairwise(poses_on(path, Pose())))
     assert len(path.legs) <= 2
-    assert length < 1.2 * 2 * math.hypot(2.0, 1.5 + 0.65)
+    assert length < 1.25 * 2 * math.hypot(2.0, 1.5 + 0.65)  # wide corners are driven faster
 
 
 def test_corners_are_rounded_so_that_the_base_need_not_stop() -> None:
