@@ -208,11 +208,15 @@ class PuttingPrimitive(HandlingPrimitive):
         self.progress(3, Message("releasing"))
         before, room = gripper.state.gap, max(_LEAST_OPEN, self.room(self.tool_pose()))
         gap = min(self.gripper_spec.max_gap, before + room)
+        needed = before + min(_FREE, 0.5 * (gap - before))
         opening, opened = move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec)), False
-        while (state := tick(opening)) is None:
-            if not opened and gripper.state.gap >= before + min(_FREE, 0.5 * (gap - before)):
+        while True:
+            state = tick(opening)
+            if not opened and gripper.state.gap >= needed:
                 self._believe_released(spot)  # at once: it may be stopped before the fingers stand
                 opened = True
+            if state is not None:
+                break
             yield
         self.progress(4, Message("retreating"))
         yield from self.recover()
