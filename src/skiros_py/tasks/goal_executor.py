@@ -121,7 +121,7 @@ class GoalExecutor(TaskExecutor):
         if monitor is None or goal != monitor.goal or progress.done or self._doubtful:
             return False
         targets = {step.arguments[self._skills[step.skill].target] for step in progress.rest}
-        if targets & self.record.left_out:
+        if targets & self.record.left_out.keys():
             return False
         return (yield from self._meanwhile(monitor.recheck(progress, self.record.reached)))
 
@@ -180,7 +180,7 @@ class GoalExecutor(TaskExecutor):
     def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
         """Returns unmet conditions that name an excluded target or were tried too often, with the reason."""
         out, attempts = self.record.left_out, self._task.policy.attempts
-        concerned = (c for c in goal if out.intersection(c.arguments) or c in self.record.worn_out)
+        concerned = (c for c in goal if out.keys() & set(c.arguments) or c in self.record.worn_out)
         reason = Message("gave up after {count} tries", count=attempts)
         return {c: reason for c in concerned if not believed(c, self._context.world)}
 

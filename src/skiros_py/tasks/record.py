@@ -41,7 +41,7 @@ class TaskRecord:
         steps: The most recent executed steps, in the order in which they ended.
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
-        left_out: Targets on which a skill failed too often.
+        left_out: Targets on which a skill failed too often, each with its last failure.
         tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
         worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
@@ -56,7 +56,7 @@ class TaskRecord:
         self.steps: deque[StepReport] = deque(maxlen=longest)
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
-        self.left_out: set[str] = set()
+        self.left_out: dict[str, str] = {}
         self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
@@ -111,7 +111,7 @@ class TaskRecord:
         keys = {(step.skill, target), moved, *([(step.skill, agent, reason)] if self._goal else [])}
         self._failures.update(keys)
         if any(self._failures[key] >= self._attempts for key in keys):
-            self.left_out.add(target)
+            self.left_out[target] = reason
         if target not in moved and self._failures[moved] >= self._attempts:
             self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
@@ -122,11 +122,6 @@ class TaskRecord:
         self.worn_out.clear()
         self.left_out.clear()
         self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
-
-    @property
-    def why_left_out(self) -> dict[str, str]:
-        """The targets that are left out, each with its last failure."""
-        return {target: self._reasons[target][0] for target in sorted(self.left_out)}
 
     # ------------------------------------------------------------------ conditions
 

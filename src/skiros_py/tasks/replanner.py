@@ -68,7 +68,7 @@ class Replanner:
             tuple(goal),
             self._context.capabilities,
             self._record.reached,
-            self._record.why_left_out,
+            dict(self._record.left_out),
             busy,
             tuple(running),
             self._context.options,
