@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from skiros_primitives.surfaces import support_region
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array, Pose, Primitive, Solid
@@ -17,16 +18,19 @@ from skiros_py.ports.kinematics import BASE_LINK
 from skiros_py.ports.motion import DepthView, Obstacle
 from skiros_py.ports.values import DepthImage
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.surroundings import held_by
+from skiros_py.skills.surroundings import held_by, map_pose, solid_of
+from skiros_py.world import vocabulary as v
 
 _STRIDE = 2
 """Of the rows and columns of a picture, every so many is used."""
 _HEIGHT = 1.2
 """Height of a robot whose links are not known [m]."""
-_LINK = 0.08
+_LINK = 0.12
 """How far links stick out around the line between their joints, and bases above where links begin on them [m]."""
 _FINGER = 0.03
 """The same around what is on a hand [m]."""
+_NEAR = 2.5
+"""How far from a camera places may be that it shows [m]."""
 _APART = 0.05
 """Where another robot is, is uncertain by so much [m]."""
 
@@ -46,13 +50,30 @@ def depth_view(context: RunContext, arm: str, image: DepthImage, camera: str, ar
     height, width = depth.shape
     cx, cy = k.cx / _STRIDE, k.cy / _STRIDE
     intrinsics = replace(k, width=width, height=height, fx=k.fx / _STRIDE, fy=k.fy / _STRIDE, cx=cx, cy=cy)
-    own = context.cell.group_of(arm)
+    own, camera_pose = context.cell.group_of(arm), tree.located(camera)
+    near = (one for one in around if math.dist(one.pose.position, camera_pose.position) < _NEAR)
+    known = (*around, *(block for one in near if (block := _unlocated(context, one.id)) is not None))
     moving = tuple(
         replace(one, error=0.0 if robot is own else _APART)
         for robot in context.cell.robots
         for one in _robot(context, robot, tree)
     )
-    return DepthView(arm, depth, intrinsics, tree.located(camera), image.snapshot.time, tuple(around), moving)
+    return DepthView(arm, depth, intrinsics, camera_pose, image.snapshot.time, known, moving)
+
+
+def _unlocated(context: RunContext, place: str) -> Obstacle | None:
+    """Returns the space on a place in which things may be that were put there and not been seen yet; None for none."""
+    world, height = context.world, 0.0
+    for thing in world.subjects(v.IN, place):
+        solid = solid_of(world, thing) if map_pose(context, thing) is None else None
+        if solid is not None:
+            low, high = solid.bounds()
+            height = max(height, float((high - low).max()))
+    region = support_region(context, place) if height else ""
+    if isinstance(region, str):
+        return None
+    (x, y), lift = region.half_extents, Pose((0.0, 0.0, height / 2.0))
+    return Obstacle(place, Solid.box(2.0 * x, 2.0 * y, height), region.pose @ lift)
 
 
 def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[Obstacle]:
@@ -67,7 +88,7 @@ def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[O
             if parent == BASE_LINK:
                 height = max(height, links[link].position[2] + _LINK)
             else:
-                yield from _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else _LINK)
+                yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else _LINK)
     xs, ys = zip(*robot.outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, height / 2.0))
     block = Primitive("box", (max(xs) - min(xs), max(ys) - min(ys), height))
@@ -79,12 +100,11 @@ def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[O
             yield Obstacle(part, held.solid, tree.located(gripper.arm) @ held.pose)
 
 
-def _rod(name: str, start: Array, end: Array, radius: float) -> Iterator[Obstacle]:
-    """Yields a rod between the places of two links in the map [m]; none where they are in one place."""
+def _rod(name: str, start: Array, end: Array, radius: float) -> Obstacle:
+    """Returns a rod around the line between the places of two links in the map [m], which may be one place."""
     way = end - start
     length = float(np.linalg.norm(way))
-    if length > 0.0:
-        x, y, z = (start + way / 2.0).tolist()
-        tilt, yaw = math.acos(max(-1.0, min(1.0, float(way[2]) / length))), math.atan2(way[1], way[0])
-        block = Primitive("cylinder", (radius, length + 2.0 * radius))
-        yield Obstacle(name, Solid((block,)), Pose.of(x, y, z, pitch=tilt, yaw=yaw))
+    x, y, z = (start + way / 2.0).tolist()
+    tilt = math.acos(max(-1.0, min(1.0, float(way[2]) / length))) if length > 0.0 else 0.0
+    block = Primitive("cylinder", (radius, length + 2.0 * radius))
+    return Obstacle(name, Solid((block,)), Pose.of(x, y, z, pitch=tilt, yaw=math.atan2(way[1], way[0])))
