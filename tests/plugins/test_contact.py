@@ -69,6 +69,7 @@ class Moving(ArmPrimitive):
             tried=Tried(),
             board=SimpleNamespace(period=PERIOD, snapshot=SimpleNamespace(of=lambda _: {})),
             port=lambda *_: self,
+            ports=SimpleNamespace(find=lambda *_: None),
             waiting=nullcontext,
             emit=lambda *_: None,
             rng=np.random.default_rng(0),

@@ -434,12 +434,12 @@ class ArmPrimitive(Primitive[Any]):
         Returns:
             What answers only then; None where the arm has no camera or no planner that takes pictures.
         """
-        mapper = self.context.ports.find(SceneMapper, self.params.arm)
+        mapper = self.context.ports.find(SceneMapper, self.params.arm) if self.looks_ahead else None
+        if mapper is None:
+            return None
         cameras = {one.id for one in self.robot.of(CameraSpec)}
         camera = next((one for one in self.world.objects(self.params.arm, HAS_A) if one in cameras), None)
-        if not self.looks_ahead or mapper is None or camera is None:
-            return None
-        return self._way_seen(mapper, camera, trajectory, playback)
+        return None if camera is None else self._way_seen(mapper, camera, trajectory, playback)
 
     def _way_seen(
         self, mapper: SceneMapper, camera: str, trajectory: Trajectory, playback: Playback
