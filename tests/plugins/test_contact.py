@@ -22,6 +22,7 @@ from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Ob
 from skiros_py.ports.values import Done
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.pictures import Pictures
 from skiros_py.skills.primitive import Execution
 
 PERIOD = 0.005
@@ -70,6 +71,7 @@ class Moving(ArmPrimitive):
             board=SimpleNamespace(period=PERIOD, snapshot=SimpleNamespace(of=lambda _: {})),
             port=lambda *_: self,
             ports=SimpleNamespace(find=lambda *_: None),
+            pictures=Pictures(),
             waiting=nullcontext,
             emit=lambda *_: None,
             rng=np.random.default_rng(0),
