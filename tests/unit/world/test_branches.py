@@ -44,7 +44,7 @@ def test_a_parent_is_the_owner_or_the_place(world: World) -> None:
 
 
 def test_the_parent_of_an_element_with_several_parents_is_refused_as_ambiguous(world: World) -> None:
-    with pytest.raises(UsageError, match="arm_1 hangs on camera_1 and gripper_1 and robot_1: name the one relation"):
+    with pytest.raises(UsageError, match="arm_1 hangs on camera_1 and force_torque_1 and gripper_1 and robot_1: name"):
         parent(world, "arm_1", "sk:hasA", "sk:mountedOn")
 
 

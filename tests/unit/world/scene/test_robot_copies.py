@@ -33,7 +33,7 @@ def test_a_robot_built_like_another_has_pieces_of_its_own_with_its_own_number() 
     world = two()
 
     assert world.objects("robot_2", "sk:hasA") == ("arm_2", "base_2", "deck_2")
-    assert world.objects("arm_2", "sk:hasA") == ("camera_2", "gripper_2")
+    assert world.objects("arm_2", "sk:hasA") == ("camera_2", "force_torque_2", "gripper_2")
     assert world.objects("arm_2", "sk:mountedOn") == ("base_2",)
     assert world.objects("deck_2", "sk:poseFrame") == ("base_2",)
 
