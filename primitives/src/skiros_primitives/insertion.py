@@ -89,7 +89,7 @@ def away(pressed: Array, period: float, reach: float = REACH) -> Iterator[Step]:
 
 
 def shake(period: float) -> Iterator[Step]:
-    """Yields the steps of a shake: it turns to and fro, and moves around a little; at the end it is back.
+    """Yields the steps of a shake: it turns back and forth, and moves around a little; at the end it is back.
 
     Args:
         period: Length of one control cycle [s].
