@@ -56,10 +56,12 @@ class Voxels:
     Attributes:
         centres: The middles of cubes in the map [m], shape (n, 3).
         size: Length of their sides, which are parallel to the axes of the map [m].
+        only_middles: True where cubes of half the size count, as what was seen fills each only in part.
     """
 
     centres: Array
     size: float = SIZE
+    only_middles: bool = False
 
 
 class VoxelMap:

@@ -81,6 +81,19 @@ def test_what_was_seen_is_named_where_an_arm_cannot_get_past(robot: RobotSpec, b
     assert refused.values == {"cause": "collision"}
 
 
+@pytest.mark.parametrize(("beside", "share"), [(0.10, 1.0), (0.085, 0.5), (0.07, None)])
+def test_an_arm_comes_nearer_to_what_was_seen_only_where_there_is_no_other_way(
+    robot: RobotSpec, bench: SimpleNamespace, beside: float, share: float | None
+) -> None:
+    motion = ArmMotion(robot)
+    motion.see(picture())
+
+    down = bench.down(0.62, beside, 0.66, math.pi / 2.0)
+    planned = motion.plan(MotionRequest("arm", bench.HOME, Pose(), ((PoseMove(down),),)))
+
+    assert (planned.share if isinstance(planned, MotionPlan) else None) == share
+
+
 def test_the_rest_of_a_motion_is_blocked_by_what_is_seen_in_it(
     robot: RobotSpec, bench: SimpleNamespace, across: MotionRequest
 ) -> None:

@@ -120,7 +120,8 @@ class ArmMotion:
             UnknownName: The robot has no such arm.
         """
         arm, start = self._arm(check.device), check.positions[0]
-        scene = CollisionScene(arm, (), check.base, (), check.held, check.gap, voxels=self._map.occupied)
+        voxels = replace(self._map.occupied, only_middles=True)  # as it may have been planned
+        scene = CollisionScene(arm, (), check.base, (), check.held, check.gap, voxels=voxels)
         checker = scene.checker(0.0, start=start)
         faults = (checker.fault(posture) for posture in (*check.positions[::_CHECKED], check.positions[-1]))
         fault = next((fault for fault in faults if fault is not None), None)
@@ -145,10 +146,13 @@ class ArmMotion:
         solver, pairs, planner = self._solvers[name], self._self_pairs[name], self._planners[name]
         lines, refusals = Lines(arm, solver), tuple[Refusal, ...]()
         postures = Postures(arm, solver, request.base, request.seed)
-        for share in request.shares if any(one.error for one in request.obstacles) else (1.0,):
+        seen = self._map.occupied
+        is_exact = not len(seen.centres) and not any(one.error for one in request.obstacles)
+        for share in (1.0,) if is_exact else request.shares:
             around = [_grown(one, share * one.error) for one in request.obstacles]
+            voxels = replace(seen, only_middles=share < 1.0)
             scene = CollisionScene(
-                arm, pairs, request.base, around, request.held, request.gap, request.constraints, self._map.occupied
+                arm, pairs, request.base, around, request.held, request.gap, request.constraints, voxels
             )
             moves = FreeMoves(arm, scene, lines, planner, self._kept[name], request.seed, reflexes=self._reflexes)
             search = RouteSearch(arm, scene, postures, lines, moves)

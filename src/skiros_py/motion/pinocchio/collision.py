@@ -220,8 +220,10 @@ class CollisionScene:
         near = replace(voxels, centres=voxels.centres[away < self._arm.reach + 0.4])
         if not len(near.centres):
             return None
-        shape = coal.makeOctree(near.centres, near.size)
-        shape_id = int(self._shapes.addGeometryObject(pin.GeometryObject(SEEN, 0, 0, se3(to_base), shape)))
+        size, shift = (near.size / 2.0, near.size / 4.0) if near.only_middles else (near.size, 0.0)
+        shape = coal.makeOctree(near.centres + shift, size)  # the middle of a cube must be in the middle of a node
+        placement = se3(to_base @ Pose((-shift, -shift, -shift)))
+        shape_id = int(self._shapes.addGeometryObject(pin.GeometryObject(SEEN, 0, 0, placement, shape)))
         for i in (*(i for i, joint, _ in self._robot if joint > 0), *self._held):
             self._pair(i, shape_id, SEEN, top=math.inf)
         return near, to_base
