@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from support.stepping import run
 
 from skiros_primitives import arm_moves
 from skiros_primitives.arm_moves import ArmPrimitive
@@ -130,14 +130,6 @@ class Moving(ArmPrimitive):
         return Touch(9.0, "tcp", (0.5, 0.0, 0.5), (1.0, 0.0, 0.0), frozenset({"link_2"})) if met else None
 
 
-def run(steps: Generator[None, None, Any]) -> Any:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            return end.value
-
-
 @pytest.fixture(autouse=True)
 def written(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """What is believed to be in the way."""
@@ -165,7 +157,7 @@ def test_it_is_behind_the_contact_with_the_next_target_and_goes_back_to_where_it
 
 
 class Force:
-    """What pushes the hand: nothing until a cycle, then something; or nobody knows."""
+    """What pushes the hand: nothing until a cycle, then something; or the sensor does not answer."""
 
     def __init__(self, arm: Moving, *, presses_at: int = 10_000, dies_at: int = 10_000) -> None:
         self._arm, self._presses_at, self._dies_at = arm, presses_at, dies_at

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from support.stepping import run
 
 from skiros_primitives import docking
 from skiros_primitives.docking import docking_pose
@@ -59,13 +59,8 @@ def chosen(monkeypatch: pytest.MonkeyPatch, arm: Arm, *wanted: Pose, is_free: An
     monkeypatch.setattr(docking, "_touching", lambda *_: set())
     monkeypatch.setattr(docking, "_wanted", lambda *_: [[pose] for pose in wanted])
     primitive: Any = arm
-    steps: Generator[None, None, Pose] = docking_pose(primitive, ROBOT, "kit_1", TAUGHT, is_free)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            found: Pose = end.value
-            return found
+    found: Pose = run(docking_pose(primitive, ROBOT, "kit_1", TAUGHT, is_free))
+    return found
 
 
 NEAR, FAR, LEFT = Pose((1.6, 0.0, 0.9)), Pose((1.74, 0.0, 0.9)), Pose((1.7, 0.14, 0.9))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from support.stepping import run
 
 from skiros_primitives.contact import HandForce
 from skiros_primitives.insertion import REACH, Insertion, away, shake, spiral
@@ -110,14 +111,6 @@ def sensor(monkeypatch: pytest.MonkeyPatch) -> None:
             return said
 
     monkeypatch.setattr("skiros_primitives.contact.DeviceHandle", Handle)
-
-
-def run(steps: Generator[None, None, Any]) -> Any:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            return end.value
 
 
 def inserted(hand: Hand, way: Callable[[Insertion], Any] = Insertion.search) -> Any:

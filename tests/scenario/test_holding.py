@@ -82,7 +82,7 @@ def test_a_part_that_moves_before_it_is_grasped_is_held_as_it_sits_or_grasped_ag
     assert Truth(session.simulation).placements()["starter_1"] == "pallet_a"
     assert session.world.placement("starter_1").place == "pallet_a"
 
-    move(session, "alternator_1", 0.05, 0.0)  # parts that touch are not told apart
+    move(session, "alternator_1", 0.05, 0.0)  # parts that touch are seen as one
     when(session, announced(session, "approaching"), lambda: move(session, "starter_1", 0.028, 0.0))
     report, reasons = pick(session, "starter_1")
     assert [("off" in reason) for reason in reasons] == [True, False]
