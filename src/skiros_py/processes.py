@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copyreg
+import dataclasses
 import io
 import os
 import pickle
@@ -12,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -101,12 +104,28 @@ def packed(thing: object) -> bytes:
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]  # it has no types
-    """Registers the modules that cannot be imported again."""
+    """Registers the modules that cannot be imported again; reads the state of dataclasses with slots in one call."""
 
     def reducer_override(self, obj: object) -> Any:
+        kind: Any = type(obj)
+        read = _state_reader(kind)
+        if read is not None:
+            return copyreg.__newobj__, (kind,), read(obj)  # type: ignore[attr-defined]  # the type stubs lack it
         if isinstance(obj, type | FunctionType) and not _is_found(obj.__module__):
             cloudpickle.register_pickle_by_value(sys.modules[obj.__module__])
         return super().reducer_override(obj)
+
+
+@cache
+def _state_reader(of: type) -> Callable[[object], Sequence[object]] | None:
+    """Returns what reads the fields of a frozen dataclass with slots; None for other classes.
+
+    Its own ``__getstate__`` looks up the fields of the class for every object, which is most of the time of packing.
+    """
+    if not dataclasses.is_dataclass(of) or getattr(of.__getstate__, "__module__", "") != dataclasses.__name__:
+        return None
+    names = [field.name for field in dataclasses.fields(of)]
+    return attrgetter(*names) if len(names) > 1 else lambda obj: [getattr(obj, name) for name in names]
 
 
 @cache
@@ -116,6 +135,8 @@ def _is_found(module: str | None) -> bool:
     if module is None or file is None or not file.endswith(".py"):  # built in, compiled, or not yet imported
         return True
     top, *rest = module.split(".")
+    if top in sys.stdlib_module_names:
+        return True
     places = _search_locations(top)
     if places is None or not rest:
         return places is not None

@@ -25,6 +25,37 @@ class Here:
         return self.number + 1
 
 
+@dataclass(frozen=True, slots=True)
+class One:
+    """One field."""
+
+    number: int
+
+    def __call__(self) -> object:
+        return self.number
+
+
+@dataclass(frozen=True, slots=True)
+class Two(One):
+    """A field more, and another in it."""
+
+    inner: One
+
+    def __call__(self) -> object:
+        return self.number, self.inner()
+
+
+@dataclass(frozen=True, slots=True)
+class Own(One):
+    """It says itself what its state is."""
+
+    def __getstate__(self) -> int:
+        return self.number * 10
+
+    def __setstate__(self, state: int) -> None:
+        object.__setattr__(self, "number", state)
+
+
 def read_elsewhere(data: bytes, folder: Path) -> str:
     done = subprocess.run([sys.executable, "-c", READ], input=data, capture_output=True, check=True, cwd=folder)
     return done.stdout.decode().strip()
@@ -32,6 +63,11 @@ def read_elsewhere(data: bytes, folder: Path) -> str:
 
 def test_an_object_of_a_test_or_script_is_read_by_a_process_that_cannot_import_it(tmp_path: Path) -> None:
     assert read_elsewhere(packed(Here(4)), tmp_path) == "5"
+
+
+@pytest.mark.parametrize(("thing", "read"), [(One(1), "1"), (Two(2, One(3)), "(2, 3)"), (Own(4), "40")])
+def test_dataclasses_with_slots_keep_their_fields(thing: object, read: str, tmp_path: Path) -> None:
+    assert read_elsewhere(packed(thing), tmp_path) == read
 
 
 def test_a_function_made_in_memory_is_read(tmp_path: Path) -> None:
