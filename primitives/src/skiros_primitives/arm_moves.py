@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from itertools import product
-from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,15 +13,13 @@ from skiros_primitives.contact import PRESS, TOLERANCE, ContactWatch, HandForce,
 from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
 from skiros_primitives.playback import Playback, even, reversed_way
-from skiros_primitives.views import depth_view
-from skiros_py.devices.arm import Arm, ArmSpec, ArmState, ArmTarget
-from skiros_py.devices.camera import Camera, CameraSpec
+from skiros_primitives.views import SeeingPrimitive
+from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.devices.localiser import LocaliserSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, listed
-from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import (
     SHARES,
@@ -38,16 +34,13 @@ from skiros_py.ports.motion import (
     Obstacle,
     PoseMove,
     Route,
-    SceneMapper,
     Trajectory,
 )
 from skiros_py.ports.paths import Outline
-from skiros_py.ports.perception import HeldRegistrar, HeldRequest, HeldResult
-from skiros_py.ports.values import DepthImage, Pending
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, tick
-from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.surroundings import held_by, obstacles, solid_of
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A, MANIPULATABLE, MASS, OBSTACLE
 
 
@@ -69,14 +62,8 @@ _BLOCK = 0.10
 """Side length of the block that is assumed where a link has met something [m]."""
 _AHEAD = 0.10
 """How far the middle of that block is ahead of the link's frame [m]."""
-_LOOK_EVERY = 0.2
-"""Time from what a picture showed in the way of an arm to the next picture [s]."""
 _BRAKING = 0.3
 """Time in which an arm brakes where something is in its way [s]."""
-_SILENCE = 5.0
-"""How long a camera may be silent [s]."""
-_ASK_AGAIN = 0.1
-"""Time after which it is asked again [s]."""
 _BACK = 0.15
 """Time of its motion by which an arm moves back from a contact near to things [s]."""
 _RELIEF = 0.01
@@ -114,25 +101,13 @@ def is_stowed(context: RunContext, arm: ArmSpec) -> bool:
     return any(np.abs(np.subtract(now, posture)).max() <= _HOME for posture in carrying_postures(arm))
 
 
-class ArmPrimitive(Primitive[Any]):
+class ArmPrimitive(SeeingPrimitive):
     """Base of the primitives that move an arm; their parameters have a field ``arm``."""
 
     touched = False
     """True once the arm has met something."""
     fitted: frozenset[str] = frozenset()
     """Ids of what was fitted to a picture from where the base stands."""
-    looks_ahead: ClassVar[bool] = True
-    """Whether it takes pictures while its arm moves freely."""
-
-    @property
-    def arm(self) -> Arm:
-        """The arm."""
-        return Arm(self.context.board, self.params.arm)
-
-    @property
-    def robot(self) -> RobotSpec:
-        """The robot that the arm belongs to."""
-        return self.context.cell.group_of(self.params.arm)
 
     @property
     def base_pose(self) -> Pose:
@@ -164,50 +139,6 @@ class ArmPrimitive(Primitive[Any]):
         """What the arm's gripper is believed to hold."""
         found = held_by(self.context, self.gripper_id)
         return found[1] if found else None
-
-    def camera_in_tip(self, camera: CameraSpec) -> Pose:
-        """Returns the pose of a camera on the arm's hand in the frame of the tip."""
-        kinematics = self.context.port(Kinematics, self.params.arm)
-        positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
-        tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
-        return tip.inverse() @ optical
-
-    def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
-        """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.
-
-        Args:
-            image: The picture.
-            camera: Id of the camera, which is on the arm's hand.
-            part: Id of the part.
-            guess: How it is expected to sit, in the frame of the tip.
-        """
-        registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
-        if registrar is None or solid is None:
-            return None
-        place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
-        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
-
-    def take_picture(self, camera: str) -> Execution[DepthImage]:
-        """Takes a picture; a camera that is silent for a moment is asked again.
-
-        Raises:
-            DeviceError: It stays silent.
-        """
-        handle, deadline = Camera(self.context.board, camera), self.context.now + _SILENCE
-        while True:
-            try:
-                picture = handle.capture()
-                while not (self.context.lockstep or picture.done()):
-                    if self.context.now >= deadline:
-                        raise DeviceError("{camera} sends no picture", camera=camera)
-                    yield
-                image = yield from self.wait(picture)
-                self.context.pictures.add(image, camera, self.robot.id)
-                return image
-            except DeviceError:
-                if self.context.now >= deadline:
-                    raise
-            yield from self.context.sleep(_ASK_AGAIN)
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
         """Opens the fingers as far as they go."""
@@ -268,7 +199,7 @@ class ArmPrimitive(Primitive[Any]):
         shares: tuple[float, ...] = SHARES,
     ) -> Execution[MotionPlan | NoMotion]:
         held, around = self.held(), self._around()
-        seen = self._show_pictures(around)
+        seen = self.show_pictures(around)
         others = tuple(replace(one, error=self._error(one)) for one in bodies(self.context, self.robot.id))
         request = MotionRequest(
             device=self.params.arm,
@@ -283,7 +214,7 @@ class ArmPrimitive(Primitive[Any]):
             shares=shares,
         )
         planned = yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request))
-        self._note_unknown(seen)
+        self.note_unknown(seen)
         return planned
 
     def _around(self) -> tuple[Obstacle, ...]:
@@ -293,28 +224,6 @@ class ArmPrimitive(Primitive[Any]):
     def _gap(self, held: Held | None) -> float:
         gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
         return gripper.gap if gripper and held else self.gripper_spec.max_gap  # empty ones may open meanwhile
-
-    def _show_pictures(self, around: Sequence[Obstacle]) -> Pending[tuple[Obstacle, ...]] | None:
-        """Shows the planner the pictures that it has not got yet; returns its last answer, None for no picture."""
-        mapper, seen = self.context.ports.find(SceneMapper, self.params.arm), None
-        for image, camera in self.context.pictures.take(self.robot.id):
-            with suppress(DeviceError):  # where the camera was, or a robot, is unknown
-                view = depth_view(self.context, self.params.arm, image, camera, around)
-                seen = seen if mapper is None else mapper.see(view)
-        return seen
-
-    def _note_unknown(self, seen: Pending[tuple[Obstacle, ...]] | None) -> None:
-        """Keeps what pictures have shown that is unknown; announces it when that is more than before.
-
-        Args:
-            seen: The planner's answer to the last of them, after a later answer of its has come; None for no picture.
-        """
-        if seen is None or not (self.context.lockstep or seen.done()):
-            return
-        before = self.context.pictures.unknown.get(self.robot.id, ())
-        unknown = self.context.pictures.unknown[self.robot.id] = seen.result()
-        if len(unknown) > len(before):
-            self.emit("unknown_seen", {"things": len(unknown), "at": [one.pose.position for one in unknown]})
 
     def _error(self, thing: Obstacle) -> float:
         """Returns how far beside its believed place something may be for the arm: the localiser's error [m].
@@ -429,37 +338,14 @@ class ArmPrimitive(Primitive[Any]):
         self.progress(2, Message("{reason}: the joints of {arm} feel contact", reason=str(why), arm=self.params.arm))
 
     def _look_ahead(self, trajectory: Trajectory, playback: Playback) -> Execution[NoMotion] | None:
-        """Takes pictures while the arm moves, until one shows something unknown in the rest of its way.
+        """Takes pictures while the arm follows a trajectory, see :meth:`look_ahead`."""
+        held = self.held()
 
-        Returns:
-            What answers only then; None where the arm has no camera or no planner that takes pictures.
-        """
-        mapper = self.context.ports.find(SceneMapper, self.params.arm) if self.looks_ahead else None
-        if mapper is None:
-            return None
-        cameras = {one.id for one in self.robot.of(CameraSpec)}
-        camera = next((one for one in self.world.objects(self.params.arm, HAS_A) if one in cameras), None)
-        return None if camera is None else self._way_seen(mapper, camera, trajectory, playback)
+        def rest() -> MotionCheck:
+            left = trajectory.positions[playback.sample :]
+            return MotionCheck(self.params.arm, self.base_pose, left, held, self._gap(held))
 
-    def _way_seen(
-        self, mapper: SceneMapper, camera: str, trajectory: Trajectory, playback: Playback
-    ) -> Execution[NoMotion]:
-        around, held = self._around(), self.held()
-        while True:
-            try:
-                yield from self.take_picture(camera)
-            except DeviceError:  # a motion that was planned needs no pictures
-                yield from self.context.sleep(_LOOK_EVERY)
-                continue
-            seen = self._show_pictures(around)
-            rest = trajectory.positions[playback.sample :]
-            asked = mapper.blocked(MotionCheck(self.params.arm, self.base_pose, rest, held, self._gap(held)))
-            blocked = yield from self.wait(asked)
-            self._note_unknown(seen)
-            if blocked is not None:
-                why = Message("{arm} stops on its way: {reason}", arm=self.params.arm, reason=blocked.reason)
-                return replace(blocked, reason=why)
-            yield from self.context.sleep(_LOOK_EVERY)
+        return self.look_ahead(self._around, rest)
 
     def _left(self, trajectory: Trajectory) -> float:
         """Returns how far the tip is from the end of a trajectory [m]."""

@@ -1,23 +1,31 @@
-"""Pictures for the planner of an arm, with all that they may show and that is known."""
+"""Pictures: taken by a camera on an arm, shown to its planner with all that they may show and that is known."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from typing import Any, ClassVar
 
 import numpy as np
 
 from skiros_primitives.surfaces import support_region
-from skiros_py.devices.arm import ArmSpec
+from skiros_py import geometry
+from skiros_py.devices.arm import Arm, ArmSpec
+from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.devices.gripper import GripperSpec
-from skiros_py.geometry import Array, Pose, Primitive, Solid
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.messages import Message
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.frames import FrameTree
-from skiros_py.ports.kinematics import BASE_LINK
-from skiros_py.ports.motion import DepthView, Obstacle
-from skiros_py.ports.values import DepthImage
+from skiros_py.ports.kinematics import BASE_LINK, Kinematics
+from skiros_py.ports.motion import DepthView, MotionCheck, NoMotion, Obstacle, SceneMapper
+from skiros_py.ports.perception import HeldRegistrar, HeldRequest, HeldResult
+from skiros_py.ports.values import DepthImage, Pending
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, map_pose, solid_of
 from skiros_py.world import vocabulary as v
 
@@ -33,6 +41,12 @@ _NEAR = 2.5
 """How far from a camera places may be that it shows [m]."""
 _APART = 0.05
 """Where another robot is, is uncertain by so much [m]."""
+_LOOK_EVERY = 0.2
+"""Time from what a picture showed in the way of an arm to the next picture [s]."""
+_SILENCE = 5.0
+"""How long a camera may be silent [s]."""
+_ASK_AGAIN = 0.1
+"""Time after which it is asked again [s]."""
 
 
 def depth_view(context: RunContext, arm: str, image: DepthImage, camera: str, around: Sequence[Obstacle]) -> DepthView:
@@ -91,7 +105,7 @@ def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[O
                 yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else _LINK)
     xs, ys = zip(*robot.outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, height / 2.0))
-    block = Primitive("box", (max(xs) - min(xs), max(ys) - min(ys), height))
+    block = geometry.Primitive("box", (max(xs) - min(xs), max(ys) - min(ys), height))
     yield Obstacle(robot.id, Solid((block,)), base @ middle)
     for gripper in robot.of(GripperSpec):
         holding = held_by(context, gripper.id)
@@ -106,5 +120,124 @@ def _rod(name: str, start: Array, end: Array, radius: float) -> Obstacle:
     length = float(np.linalg.norm(way))
     x, y, z = (start + way / 2.0).tolist()
     tilt = math.acos(max(-1.0, min(1.0, float(way[2]) / length))) if length > 0.0 else 0.0
-    block = Primitive("cylinder", (radius, length + 2.0 * radius))
+    block = geometry.Primitive("cylinder", (radius, length + 2.0 * radius))
     return Obstacle(name, Solid((block,)), Pose.of(x, y, z, pitch=tilt, yaw=math.atan2(way[1], way[0])))
+
+
+class SeeingPrimitive(Primitive[Any]):
+    """Base of the primitives of an arm with a camera and a planner; their parameters have a field ``arm``."""
+
+    looks_ahead: ClassVar[bool] = True
+    """Whether it takes pictures while its arm moves freely."""
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        return Arm(self.context.board, self.params.arm)
+
+    @property
+    def robot(self) -> RobotSpec:
+        """The robot that the arm belongs to."""
+        return self.context.cell.group_of(self.params.arm)
+
+    def camera_in_tip(self, camera: CameraSpec) -> Pose:
+        """Returns the pose of a camera on the arm's hand in the frame of the tip."""
+        kinematics = self.context.port(Kinematics, self.params.arm)
+        positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
+        tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
+        return tip.inverse() @ optical
+
+    def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
+        """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.
+
+        Args:
+            image: The picture.
+            camera: Id of the camera, which is on the arm's hand.
+            part: Id of the part.
+            guess: How it is expected to sit, in the frame of the tip.
+        """
+        registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
+        if registrar is None or solid is None:
+            return None
+        place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
+        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
+
+    def take_picture(self, camera: str) -> Execution[DepthImage]:
+        """Takes a picture; a camera that is silent for a moment is asked again.
+
+        Raises:
+            DeviceError: It stays silent.
+        """
+        handle, deadline = Camera(self.context.board, camera), self.context.now + _SILENCE
+        while True:
+            try:
+                picture = handle.capture()
+                while not (self.context.lockstep or picture.done()):
+                    if self.context.now >= deadline:
+                        raise DeviceError("{camera} sends no picture", camera=camera)
+                    yield
+                image = yield from self.wait(picture)
+                self.context.pictures.add(image, camera, self.robot.id)
+                return image
+            except DeviceError:
+                if self.context.now >= deadline:
+                    raise
+            yield from self.context.sleep(_ASK_AGAIN)
+
+    def show_pictures(self, around: Sequence[Obstacle]) -> Pending[tuple[Obstacle, ...]] | None:
+        """Shows the planner the pictures that it has not got yet; returns its last answer, None for no picture."""
+        mapper, seen = self.context.ports.find(SceneMapper, self.params.arm), None
+        for image, camera in self.context.pictures.take(self.robot.id):
+            with suppress(DeviceError):  # where the camera was, or a robot, is unknown
+                view = depth_view(self.context, self.params.arm, image, camera, around)
+                seen = seen if mapper is None else mapper.see(view)
+        return seen
+
+    def note_unknown(self, seen: Pending[tuple[Obstacle, ...]] | None) -> None:
+        """Keeps what pictures have shown that is unknown; announces it when that is more than before.
+
+        Args:
+            seen: The planner's answer to the last of them, after a later answer of its has come; None for no picture.
+        """
+        if seen is None or not (self.context.lockstep or seen.done()):
+            return
+        before = self.context.pictures.unknown.get(self.robot.id, ())
+        unknown = self.context.pictures.unknown[self.robot.id] = seen.result()
+        if len(unknown) > len(before):
+            self.emit("unknown_seen", {"things": len(unknown), "at": [one.pose.position for one in unknown]})
+
+    def look_ahead(
+        self, around: Callable[[], tuple[Obstacle, ...]], rest: Callable[[], MotionCheck]
+    ) -> Execution[NoMotion] | None:
+        """Takes pictures while the arm moves, until one shows something unknown in the rest of its way.
+
+        Args:
+            around: Returns what is believed to stand around, with the errors of where it is.
+            rest: Returns what is left of the motion.
+
+        Returns:
+            What answers only then; None where the arm has no camera or no planner that takes pictures.
+        """
+        mapper = self.context.ports.find(SceneMapper, self.params.arm) if self.looks_ahead else None
+        if mapper is None:
+            return None
+        cameras = {one.id for one in self.robot.of(CameraSpec)}
+        camera = next((one for one in self.world.objects(self.params.arm, v.HAS_A) if one in cameras), None)
+        return None if camera is None else self._way_seen(mapper, camera, around(), rest)
+
+    def _way_seen(
+        self, mapper: SceneMapper, camera: str, around: tuple[Obstacle, ...], rest: Callable[[], MotionCheck]
+    ) -> Execution[NoMotion]:
+        while True:
+            try:
+                yield from self.take_picture(camera)
+            except DeviceError:  # a motion that was planned needs no pictures
+                yield from self.context.sleep(_LOOK_EVERY)
+                continue
+            seen = self.show_pictures(around)
+            blocked = yield from self.wait(mapper.blocked(rest()))
+            self.note_unknown(seen)
+            if blocked is not None:
+                why = Message("{arm} stops on its way: {reason}", arm=self.params.arm, reason=blocked.reason)
+                return replace(blocked, reason=why)
+            yield from self.context.sleep(_LOOK_EVERY)
