@@ -93,6 +93,21 @@ class TestMujoco(EngineContract):
         assert max(map(abs, efforts)) <= 30.0
         assert trolley.read().positions[0] == pytest.approx(1.0, abs=0.01)  # its end
 
+    def test_a_motor_that_pushed_against_its_end_goes_back_with_less_effort(
+        self, engine: Engine, crane: SimulatedRobot
+    ) -> None:
+        self.hold(crane, slew=0.0, counter=0.0)
+        trolley = crane.joints(("trolley",))
+        trolley.reset((0.99,))
+        trolley.hold_positions((1.5,), gain=0.2, effort=(60.0,), max_velocity=0.01)
+        self.run(engine, 300)
+        pushing = trolley.read().efforts[0]
+        trolley.hold_positions((0.5,), gain=0.2, effort=(20.0,), max_velocity=0.01)
+        self.run(engine, 50)
+
+        assert pushing == pytest.approx(60.0, abs=1.0)
+        assert trolley.read().velocities[0] == pytest.approx(-0.01, abs=0.001)
+
     def test_it_has_no_window(self) -> None:
         with pytest.raises(UsageError, match="no window"):
             find_plugin("skiros.engines", "mujoco")(period=0.005, gui=True)

@@ -37,6 +37,7 @@ class Motors:
         self.names: list[str] = []
         self._positions = np.zeros(0, np.intp)  # where their values are in MuJoCo's state
         self._velocities = np.zeros(0, np.intp)
+        self._inertias = np.zeros(0)  # what each moves, in the position in which the model begins
         # Rows: target position, velocity there, share of the error, greatest speed, greatest effort, one-step effort,
         # the velocity that the last step was to reach (no number where its effort was at its limit), and what is asked
         # for beyond it because earlier steps did not reach theirs; a column for each motor.
@@ -58,6 +59,7 @@ class Motors:
         joints = [model.joint(name) for name in self.names]
         self._positions = np.array([joint.qposadr[0] for joint in joints], np.intp)
         self._velocities = np.array([joint.dofadr[0] for joint in joints], np.intp)
+        self._inertias = model.dof_M0[self._velocities]
 
     def state(self, data: Any, numbers: Sequence[int]) -> tuple[Array, Array, Array]:
         """Returns positions, velocities and efforts of some joints."""
@@ -105,8 +107,12 @@ class Motors:
         change[self._velocities] = np.where(self._on, wanted - speed + beyond, 0.0) / self._substep
         mujoco.mj_mulM(model, data, needed, change)
         force = needed[self._velocities] + data.qfrc_bias[self._velocities]
-        expected[:] = np.where(self._on & (np.abs(force) <= effort), wanted, np.nan)
-        applied = np.where(self._on, np.clip(force, -effort, effort), pushed)
+        limited = np.clip(force, -effort, effort)
+        expected[:] = np.where(self._on & (limited == force), wanted, np.nan)
+        # No more is asked for than the effort suffices for: it would stay so, and press on when it shall go back.
+        surplus = (force - limited) * self._substep / self._inertias
+        beyond -= np.clip(surplus, np.minimum(beyond, 0.0), np.maximum(beyond, 0.0))
+        applied = np.where(self._on, limited, pushed)
         data.qfrc_applied[self._velocities] = applied
         self.efforts = (self.efforts if substep else 0.0) + applied * (self._substep / self._period)
 
