@@ -4,7 +4,8 @@
 
 Every figure is taken from the simulator: poses of bodies, contacts and their forces. Each miss is listed with the
 reason that the robot gave and what the truth shows. With ``--pictures`` there are pictures of each miss, and a sheet of
-all scenes; with ``--film`` an animation of the first. ``--simulation`` names an engine, and twice compares two.
+all scenes; with ``--film`` an animation of the first and a sheet of its moments. ``--simulation`` names an engine, and
+twice compares two.
 ``--write`` writes the scenes instead, each in a folder of its own, to be run by ``skiros run``. Ctrl+C ends it with the
 figures of the scenes so far.
 """
@@ -17,7 +18,6 @@ import tempfile
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import manipulation_scenes as scenes
 from manipulation_scenes import Chance, Scene
 from manipulation_stage import Campaign, Stage, Trial, at_most, conditions, first_tries, honest, none, share
-from table import Figure, finish
+from table import Figure, finish, finish_side_by_side
 
 from skiros_py.config import ONTOLOGIES
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
@@ -384,7 +384,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--half", choices=("odd", "even", "both"), default="both", help="seeds that are taken")
     parser.add_argument("--pictures", type=Path, help="folder for pictures of the misses, and for the contact sheet")
-    parser.add_argument("--film", action="store_true", help="an animation of the first scene, too, among the pictures")
+    parser.add_argument("--film", action="store_true", help="show the first scene as it runs, too")
     parser.add_argument("--simulation", action="append", help="engine that simulates; twice for two engines")
     parser.add_argument("--write", type=Path, help="folder for the scenes: they are written, and not run")
     arguments = parser.parse_args()
@@ -397,23 +397,19 @@ def main() -> int:
         return 0
     if arguments.film and arguments.pictures is None:
         parser.error("--film needs --pictures, the folder for it")
-    figures: list[Figure] = []
+    measured: dict[str, list[Figure]] = {}
     engines = arguments.simulation or [default_simulation()]
     for engine in engines:
-        several = len(engines) > 1
-        pictures = arguments.pictures / engine if arguments.pictures and several else arguments.pictures
+        pictures = arguments.pictures / engine if arguments.pictures and len(engines) > 1 else arguments.pictures
         trials: list[Trial] = []
         with suppress(KeyboardInterrupt):
             trials.extend(_run(campaign, drawn, engine, pictures, film=arguments.film))
-        which = f"{engine}: " if several else ""
-        if trials:
-            figures += [replace(figure, what=which + figure.what) for figure in campaign.figures(trials)]
-        if len(trials) < len(drawn):
-            figures.append(
-                Figure(f"{which}scenes run before it was interrupted", f"{len(trials)}", f"{len(drawn)}", False)
-            )
+        run = Figure("scenes that were run", f"{len(trials)}", f"{len(drawn)}", len(trials) == len(drawn))
+        measured[engine] = [*campaign.figures(trials), run]
+        if not run.holds:
             break
-    return finish(f"{campaign.name}, {len(drawn)} scenes", figures)
+    title = f"{campaign.name}, {len(drawn)} scenes"
+    return finish_side_by_side(title, measured) if len(engines) > 1 else finish(title, measured[engines[0]])
 
 
 def _seeds(arguments: Namespace) -> list[int]:
@@ -430,9 +426,10 @@ def _run(
     if pictures is not None:
         pictures.mkdir(parents=True, exist_ok=True)
     for scene in drawn:
-        to = pictures / f"{campaign.name}.gif" if pictures is not None and film and scene is drawn[0] else None
+        names = (f"{scene.name}_run.gif", f"{scene.name}_moments.png") if film and scene is drawn[0] else ()
+        films = [pictures / name for name in names] if pictures is not None else []
         with tempfile.TemporaryDirectory(prefix="skiros-campaign-") as folder:
-            trial = campaign.trial(scene, Path(folder), pictures=pictures is not None, simulation=engine, film=to)
+            trial = campaign.trial(scene, Path(folder), pictures=pictures is not None, simulation=engine, films=films)
         verdict = "MISS" if trial.misses else "as wanted"
         print(f"{scene.name} ({scene.kind}, {engine}): {verdict}", file=sys.stderr, flush=True)
         for miss in trial.misses:

@@ -81,7 +81,7 @@ class Stage(AbstractContextManager["Stage"]):
         folder: Where its files are written.
         pictures: True to take pictures.
         simulation: The engine that simulates; empty for the default one.
-        film: The file for an animation of the run; none by default.
+        films: Files for an animation of the run, or a contact sheet of its moments.
 
     Attributes:
         session: The open cell.
@@ -93,7 +93,7 @@ class Stage(AbstractContextManager["Stage"]):
     """
 
     def __init__(
-        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", film: Path | None = None
+        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", films: Sequence[Path] = ()
     ) -> None:
         self.scene = scene
         path = scene.write(folder)
@@ -110,7 +110,7 @@ class Stage(AbstractContextManager["Stage"]):
         self._cycles = count()
         self.session.cycle.observe(self._on_cycle)
         self.session.monitor.subscribe(self._on_event)
-        self._film = RunPictures(self.session.runtime, lambda *_: self._picture(), film) if film is not None else None
+        self._films = [RunPictures(self.session.runtime, lambda *_: self._picture(), film) for film in films]
 
     def pursue(self, goals: Sequence[str]) -> GoalReport:
         """Lets the robot pursue a goal, and keeps what it reports."""
@@ -174,8 +174,8 @@ class Stage(AbstractContextManager["Stage"]):
         return self.truth.pose(body).distance(self.start[body])
 
     def __exit__(self, *_: object) -> None:
-        if self._film is not None:
-            self._film.write()
+        for film in self._films:
+            film.write()
         self.session.close()
 
     def _on_cycle(self) -> None:
@@ -275,10 +275,10 @@ class Campaign(ABC):
         """Returns the figures of all scenes."""
 
     def trial(
-        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", film: Path | None = None
+        self, scene: Scene, folder: Path, *, pictures: bool = False, simulation: str = "", films: Sequence[Path] = ()
     ) -> Trial:
         """Runs one scene, and judges it; the arguments are those of :class:`Stage`."""
-        with Stage(scene, folder, pictures=pictures, simulation=simulation, film=film) as stage:
+        with Stage(scene, folder, pictures=pictures, simulation=simulation, films=films) as stage:
             stage.shoot("start")
             facts = self.run(stage)
             hits = {body: hit for body in self.must_not_touch(stage) if (hit := stage.forces.hit(body)).transient > 0.0}

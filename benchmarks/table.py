@@ -7,8 +7,8 @@ no such thing, the step of a plain Python loop (:func:`in_steps`). Simulated tim
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +76,32 @@ def duration(seconds: float) -> str:
 def finish(title: str, figures: Sequence[Figure]) -> int:
     """Prints the table and the summary; returns the exit status: 0 only if all bars hold."""
     rows = [("figure", "measured", "bar", "compared with", "")]
-    rows += [(f.what, f.value, f.bar, f.compared, "" if not f.bar else "ok" if f.holds else "MISSED") for f in figures]
-    widths = [max(len(row[column]) for row in rows) for column in range(5)]
+    _print([*rows, *((f.what, f.value, f.bar, f.compared, _verdict(f)) for f in figures)])
+    return _summarise(title, figures)
+
+
+def finish_side_by_side(title: str, measured: Mapping[str, Sequence[Figure]]) -> int:
+    """Prints the same figures of several things in a column each, and the summary; returns the exit status."""
+    rows: list[tuple[str, ...]] = [("figure", "bar", *measured)]
+    for figures in zip(*measured.values(), strict=True):
+        cells = (f"{figure.value}  {_verdict(figure)}".rstrip() for figure in figures)
+        rows.append((figures[0].what, figures[0].bar, *cells))
+    _print(rows)
+    named = [replace(figure, what=f"{name}: {figure.what}") for name, some in measured.items() for figure in some]
+    return _summarise(title, named)
+
+
+def _verdict(figure: Figure) -> str:
+    return "" if not figure.bar else "ok" if figure.holds else "MISSED"
+
+
+def _print(rows: Sequence[Sequence[str]]) -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def _summarise(title: str, figures: Sequence[Figure]) -> int:
     missed = [f.what for f in figures if not f.holds]
     summary = f"{len(missed)} of {len(figures)} bars missed: {', '.join(missed)}" if missed else "all bars hold"
     print(f"{title}: {summary}")
