@@ -9,6 +9,7 @@ import pytest
 from manipulation import CAMPAIGNS
 from manipulation_scenes import Chance, Scene
 from manipulation_stage import Forces, Stage, Trial, at_most, conditions, honest, none, share
+from table import Figure, finish_side_by_side
 
 from skiros_py.config import ONTOLOGIES
 from skiros_py.geometry import Pose
@@ -93,6 +94,19 @@ def test_bars_are_held_against_the_truth_and_not_against_the_belief() -> None:
     assert not share("nothing was tried", [], 0.0).holds
     assert not none("hits", [False, True]).holds
     assert not at_most("force", [100.0, 300.0], 280.0, "N").holds
+
+
+def test_engines_are_shown_side_by_side_and_each_miss_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    good, bad = ([conditions([trial((True, true))], 75.0), Figure("scenes", "1")] for true in (True, False))
+
+    assert finish_side_by_side("standing", {"one": good, "other": good}) == 0
+    capsys.readouterr()
+    assert finish_side_by_side("standing", {"one": good, "other": bad}) == 1
+    head, first, second, summary = capsys.readouterr().out.splitlines()
+    assert head.split() == ["figure", "bar", "one", "other"]
+    assert "  >= 75 %  1 of 1, 100.0 %  ok  0 of 1, 0.0 %  MISSED" in first
+    assert second.split() == ["scenes", "1", "1"]
+    assert summary == "standing: 1 of 4 bars missed: other: conditions that hold by the truth"
 
 
 @pytest.mark.physics

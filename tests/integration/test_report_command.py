@@ -111,3 +111,12 @@ def test_a_run_reports_that_its_scene_file_was_changed_since_loading(tmp_path: P
 
     assert "earlier version" not in first.stderr
     assert "in data lives an earlier version of mine.ttl, whose file was changed since" in second.stderr
+
+
+def test_pictures_of_a_recording_without_any_and_files_of_other_kinds_are_refused(folder: Path) -> None:
+    none, other = (skiros(folder, "report", "data", "--pictures", name) for name in ("run.png", "run.jpg"))
+
+    assert (none.returncode, other.returncode) == (2, 2)
+    assert "there are no pictures in it" in none.stderr
+    assert "use .png for a contact sheet, .gif or .webp for an animation" in other.stderr
+    assert not (folder / "run.png").exists()

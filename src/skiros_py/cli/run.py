@@ -203,7 +203,9 @@ def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **
     from skiros_py.system import check_display
 
     if record is not None:
-        check_pictures(record, fake=options["fake"])
+        if options["fake"]:
+            raise UsageError("--record needs physics: a fake run has nothing to see")
+        check_pictures(record, "--record")
     if options["gui"]:
         check_display(os.environ.get("DISPLAY"))
     from skiros_py.station.session import Options, Session

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skiros_py.errors import SkirosError, UsageError
+from skiros_py.errors import FileError, SkirosError, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.runtime import Runtime
 from skiros_py.geometry import Pose
@@ -23,6 +23,8 @@ from skiros_py.recording.topic import Topic
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from PIL.Image import Image
+
+    from skiros_py.recording.reader import Recording
 
 _Point = tuple[float, float, float]
 Camera = Callable[[Snapshot, str], Pending[Any]]
@@ -37,6 +39,8 @@ _QUALITY = 70
 _SHEET, _ANIMATIONS = ".png", (".gif", ".webp")
 _EVERY = 1.0
 """Time between two pictures of an animation [s]."""
+_SHOWN, _SHOWN_MOMENT = 100, 1000
+"""How long an animation shows one of those, and a key moment [ms]."""
 _COLUMNS = 4
 OVERVIEW = "/camera/overview"
 
@@ -125,16 +129,18 @@ def from_above(centre: _Point, distance: float) -> tuple[_Point, _Point]:
 # ---------------------------------------------------------------------- contact sheet and animation
 
 
-def check_pictures(path: Path, *, fake: bool) -> None:
-    """Checks the file for the pictures of a run before anything starts.
+def check_pictures(path: Path, option: str) -> None:
+    """Checks the file for pictures before anything starts.
+
+    Args:
+        path: The file.
+        option: The option that names it.
 
     Raises:
-        UsageError: It cannot be written, is of an unknown kind, or there is nothing to see.
+        UsageError: It cannot be written, or is of an unknown kind.
     """
-    if fake:
-        raise UsageError("--record needs physics: a fake run has nothing to see")
     if path.suffix not in (_SHEET, *_ANIMATIONS):
-        raise UsageError(f"--record {path}: use .png for a contact sheet, .gif or .webp for an animation")
+        raise UsageError(f"{option} {path}: use .png for a contact sheet, .gif or .webp for an animation")
     new = not path.exists()
     try:
         with path.open("ab"):
@@ -142,7 +148,7 @@ def check_pictures(path: Path, *, fake: bool) -> None:
         if new:
             path.unlink()
     except OSError as error:
-        raise UsageError(f"--record {path} cannot be written: {error.strerror}") from error
+        raise UsageError(f"{option} {path} cannot be written: {error.strerror}") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,17 +173,23 @@ class RunPictures:
         self._path = path
         self._shots: list[_Shot] = []
         self._next = 0.0
+        self._doing = ""
         name = f"--record {path}"
         if path.suffix == _SHEET:
-            self._leave = _on_key_moments(runtime.monitor, contained(name, self._shoot))
+            self._leave = [_on_key_moments(runtime.monitor, contained(name, self._shoot))]
         else:
-            self._leave = runtime.cycle.observe(contained(name, self._on_cycle))
+            cycle = runtime.cycle.observe(contained(name, self._on_cycle))
+            self._leave = [cycle, runtime.monitor.subscribe(self._on_event)]
+
+    def _on_event(self, event: ModuleEvent) -> None:
+        if event.kind == "skill" and event.status is Status.STARTED:
+            self._doing = f"{event.module} {event.target}"
 
     def _on_cycle(self) -> None:
         now = self._board.snapshot.time
         if now >= self._next:
             self._next = now + _EVERY
-            self._shoot("", "")
+            self._shoot(self._doing, "")
 
     def _shoot(self, caption: str, agent: str) -> None:
         snapshot = self._board.snapshot
@@ -189,15 +201,44 @@ class RunPictures:
         Raises:
             UsageError: The file cannot be written any more, or a picture could not be rendered.
         """
-        self._leave()
+        for leave in self._leave:
+            leave()
         try:
             pictures = [captioned(s.picture.result(), f"{s.time:.1f} s  {s.caption}") for s in self._shots]
-            if self._path.suffix == _SHEET or not pictures:
-                contact_sheet(pictures).save(self._path)
-            else:
-                pictures[0].save(self._path, save_all=True, append_images=pictures[1:], duration=100, loop=0)
+            write_pictures(self._path, pictures, _SHOWN)
         except (OSError, SkirosError) as error:
             raise UsageError(f"--record {self._path} cannot be written: {error}") from error
+
+
+def write_recorded_pictures(recording: Recording, path: Path) -> None:
+    """Writes the pictures of a recording as a contact sheet or an animation.
+
+    Raises:
+        FileError: There are none in it, it is damaged, or the file cannot be written.
+    """
+    from PIL import Image
+
+    try:
+        pictures = [
+            captioned(np.asarray(Image.open(io.BytesIO(one.data)).convert("RGB")), f"{one.time:.1f} s  {one.caption}")
+            for one in recording.pictures()
+        ]
+    except OSError as error:
+        raise FileError(recording.path, f"the recording is damaged: {error}") from error
+    if not pictures:
+        raise FileError(recording.path, "there are no pictures in it: they are taken of runs in physics")
+    try:
+        write_pictures(path, pictures, _SHOWN_MOMENT)
+    except OSError as error:
+        raise FileError(path, f"cannot be written: {error.strerror or error}") from error
+
+
+def write_pictures(path: Path, pictures: Sequence[Image], shown: int) -> None:
+    """Writes a contact sheet, or an animation that shows each picture for some time [ms], as the suffix says."""
+    if path.suffix == _SHEET or not pictures:
+        contact_sheet(pictures).save(path)
+    else:
+        pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=shown, loop=0)
 
 
 def captioned(picture: NDArray[Any], text: str) -> Image:
@@ -211,7 +252,7 @@ def captioned(picture: NDArray[Any], text: str) -> Image:
     return image
 
 
-def contact_sheet(pictures: list[Image]) -> Image:
+def contact_sheet(pictures: Sequence[Image]) -> Image:
     """Returns pictures of the size of this module in rows of four."""
     from PIL import Image
 
