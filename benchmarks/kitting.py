@@ -3,7 +3,8 @@
     uv run python benchmarks/kitting.py --seeds 50
 
 Each seed is a fresh ``skiros run`` in a separate process, with newly drawn part poses; the bars are those of the
-project. Every failed attempt is listed with its reason.
+project. Every failed attempt is listed with its reason. ``--simulation`` names an engine, and twice compares two, seed
+by seed.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from table import Figure, finish
+from table import Figure, finish, finish_side_by_side
+
+from skiros_py.system import default_simulation
 
 
 def main() -> int:
@@ -28,25 +31,30 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--scene", default="kitting")
     parser.add_argument("--jobs", type=int, default=2, help="runs at a time; figures are of simulated time")
+    parser.add_argument("--simulation", action="append", help="engine that simulates; twice for two engines")
     options = parser.parse_args()
+    engines = options.simulation or [default_simulation()]
     seeds = range(options.first, options.first + options.seeds)
+    wanted = [(seed, engine) for seed in seeds for engine in engines]
     with ThreadPoolExecutor(options.jobs) as pool:
-        runs = list(pool.map(lambda seed: _run(options.scene, seed), seeds))
-    failures = [line for seed, run in zip(seeds, runs, strict=True) for line in _failures(seed, run)]
+        runs = dict(zip(wanted, pool.map(lambda one: _run(options.scene, *one), wanted), strict=True))
+    failures = [f"{engine}, {line}" for (seed, engine), run in runs.items() for line in _failures(seed, run)]
     print("failed tries:" if failures else "no try failed")
     for line in failures:
         print(f"  {line}")
-    return finish(f"kitting, {len(runs)} seeds", _figures(runs))
+    measured = {name: _figures([run for (_, engine), run in runs.items() if engine == name]) for name in engines}
+    title = f"kitting, {len(seeds)} seeds"
+    return finish_side_by_side(title, measured) if len(engines) > 1 else finish(title, measured[engines[0]])
 
 
-def _run(scene: str, seed: int) -> dict[str, Any]:
-    command = [sys.executable, "-m", "skiros_py.cli", "run", scene, "--seed", str(seed), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+def _run(scene: str, seed: int, engine: str) -> dict[str, Any]:
+    command = [sys.executable, "-m", "skiros_py.cli", "run", scene, "--seed", str(seed), "--simulation", engine]
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
     try:
         run: dict[str, Any] = json.loads(done.stdout)
     except json.JSONDecodeError:
         run = {"error": (done.stderr or done.stdout).strip()[-500:]}
-    print(f"seed {seed}: {'reached' if run.get('reached') else 'NOT reached'}", file=sys.stderr, flush=True)
+    print(f"seed {seed}, {engine}: {'reached' if run.get('reached') else 'NOT reached'}", file=sys.stderr, flush=True)
     return run
 
 
@@ -81,6 +89,7 @@ def _figures(runs: list[dict[str, Any]]) -> list[Figure]:
             "40 to 50 s for the pick alone in the SkiROS chapter",
         ),
         Figure("whole run, simulated", f"median {_median(r['simulated'] for r in good):.0f} s"),
+        Figure("whole run, wall", f"median {_median(r['wall'] for r in good):.0f} s"),
     ]
 
 
