@@ -39,9 +39,10 @@ class Motors:
         self._velocities = np.zeros(0, np.intp)
         self._inertias = np.zeros(0)  # what each moves, in the position in which the model begins
         # Rows: target position, velocity there, share of the error, greatest speed, greatest effort, one-step effort,
-        # the velocity that the last step was to reach (no number where its effort was at its limit), and what is asked
-        # for beyond it because earlier steps did not reach theirs; a column for each motor.
-        self._values: Array = np.zeros((8, 0))
+        # the velocity that the last step was to reach, the share of what it lacked of that to be learnt from (none where
+        # its effort was at its limit), and what is asked for beyond it because earlier steps did not reach theirs; a
+        # column for each motor.
+        self._values: Array = np.zeros((9, 0))
         self._on: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self.efforts: Array = np.zeros(0)
 
@@ -92,26 +93,27 @@ class Motors:
         self._forget(numbers)
 
     def _forget(self, numbers: Sequence[int]) -> None:
-        self._values[6, numbers], self._values[7, numbers] = np.nan, 0.0
+        self._values[7:, numbers] = 0.0
 
     def drive(self, model: Any, data: Any, substep: int) -> None:
         """Sets the efforts of one of MuJoCo's steps."""
         if not self.names:
             return
-        target, velocity, gain, most, effort, pushed, expected, beyond = self._values
+        target, velocity, gain, most, effort, pushed, expected, learnt, beyond = self._values
         position, speed = data.qpos[self._positions], data.qvel[self._velocities]
-        beyond += np.nan_to_num(_LEARNING * (expected - speed))
+        beyond += learnt * (expected - speed)
         away = target + velocity * (substep * self._substep) - position
-        wanted = np.clip(velocity + gain * away / self._period, -most, most)
+        wanted = np.minimum(np.maximum(velocity + gain * away / self._period, -most), most)
         change, needed = np.zeros(model.nv), np.zeros(model.nv)
-        change[self._velocities] = np.where(self._on, wanted - speed + beyond, 0.0) / self._substep
+        change[self._velocities] = self._on * (wanted - speed + beyond) / self._substep
         mujoco.mj_mulM(model, data, needed, change)
         force = needed[self._velocities] + data.qfrc_bias[self._velocities]
-        limited = np.clip(force, -effort, effort)
-        expected[:] = np.where(self._on & (limited == force), wanted, np.nan)
+        limited = np.minimum(np.maximum(force, -effort), effort)
+        expected[:] = wanted
+        learnt[:] = _LEARNING * (self._on & (limited == force))
         # No more is asked for than the effort suffices for: it would stay so, and press on when it shall go back.
         surplus = (force - limited) * self._substep / self._inertias
-        beyond -= np.clip(surplus, np.minimum(beyond, 0.0), np.maximum(beyond, 0.0))
+        beyond -= np.minimum(np.maximum(surplus, np.minimum(beyond, 0.0)), np.maximum(beyond, 0.0))
         applied = np.where(self._on, limited, pushed)
         data.qfrc_applied[self._velocities] = applied
         self.efforts = (self.efforts if substep else 0.0) + applied * (self._substep / self._period)
