@@ -288,7 +288,7 @@ class Campaign(ABC):
             ]
             misses += self.faults(stage, facts)
             stage.shoot("; ".join(misses) or "as wanted")
-            images = [captioned(shot.result(), f"{scene.name} {text}"[:75]) for text, shot in stage.shots]
+            images = [captioned(shot.result(), f"{scene.name} {text}") for text, shot in stage.shots]
             return Trial(scene, stage.conditions, _first_tries(stage.steps), hits, facts, misses, images)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,6 +43,8 @@ _EVERY = 1.0
 _SHOWN, _SHOWN_MOMENT = 100, 1000
 """How long an animation shows one of those, and a key moment [ms]."""
 _COLUMNS = 4
+_LETTERS, _LINES, _LINE = 78, 3, 14
+"""Most letters in a line of a caption, most lines, and the height of one [px]."""
 OVERVIEW = "/camera/overview"
 
 
@@ -242,13 +245,15 @@ def write_pictures(path: Path, pictures: Sequence[Image], shown: int) -> None:
 
 
 def captioned(picture: NDArray[Any], text: str) -> Image:
-    """Returns a picture, RGB, with a line of text at its top."""
+    """Returns a picture, RGB, with a text of at most three lines at its top."""
     from PIL import Image, ImageDraw
 
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
-    draw.rectangle((0, 0, 8 + 7 * len(text), 16), fill=(0, 0, 0))
-    draw.text((4, 2), text, fill=(255, 255, 255))
+    for number, line in enumerate(textwrap.wrap(text, _LETTERS, max_lines=_LINES)):
+        top = _LINE * number
+        draw.rectangle((0, top, 8 + draw.textlength(line), top + _LINE), fill=(0, 0, 0))
+        draw.text((4, top + 2), line, fill=(255, 255, 255))
     return image
 
 
