@@ -6,7 +6,7 @@ import io
 import math
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,6 +157,7 @@ def check_pictures(path: Path, option: str) -> None:
 @dataclass(frozen=True, slots=True)
 class _Shot:
     time: float
+    agent: str
     caption: str
     picture: Pending[Any]
 
@@ -195,8 +196,13 @@ class RunPictures:
             self._shoot(self._doing, "")
 
     def _shoot(self, caption: str, agent: str) -> None:
+        """Takes a picture; a skill and its last primitive, which end in one cycle, share one."""
         snapshot = self._board.snapshot
-        self._shots.append(_Shot(snapshot.time, caption, self._camera(snapshot, agent)))
+        last = self._shots[-1] if self._shots else None
+        if last is not None and (last.time, last.agent) == (snapshot.time, agent):
+            self._shots[-1] = replace(last, caption=f"{last.caption}, {caption}")
+        else:
+            self._shots.append(_Shot(snapshot.time, agent, caption, self._camera(snapshot, agent)))
 
     def write(self) -> None:
         """Takes no more pictures, and writes those it has.

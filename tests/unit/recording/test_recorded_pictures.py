@@ -8,11 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from numpy.typing import NDArray
+from PIL import Image, ImageSequence
 
 from skiros_py.errors import FileError
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.ports.values import Done, Snapshot
 from skiros_py.recording import Recording, RecordingWriter, Schema, Topic
-from skiros_py.recording.pictures import HEIGHT, OVERVIEW, WIDTH, webp, write_recorded_pictures
+from skiros_py.recording.pictures import HEIGHT, OVERVIEW, WIDTH, RunPictures, webp, write_recorded_pictures
+from skiros_py.testing import Bench, tiny_world
 
 _PICTURES = Topic(OVERVIEW, Schema("any", {"type": "object"}))
 _BRIGHTNESS = (60, 120, 180, 220, 250)
@@ -55,11 +59,26 @@ def test_an_animation_shows_the_key_moments_one_after_the_other(
     write_recorded_pictures(recording, tmp_path / name)
 
     with Image.open(tmp_path / name) as film:
-        shown = []
-        for number in range(film.n_frames):
-            film.seek(number)
-            shown.append(np.asarray(film.convert("RGB"), int)[200, 200, 0])
+        frames = ImageSequence.Iterator(film)
+        shown = [np.asarray(frame.convert("RGB"), int)[200, 200, 0] for frame in frames]
     assert shown == pytest.approx(_BRIGHTNESS, abs=4)
+
+
+def test_a_skill_and_its_last_primitive_share_a_picture(tmp_path: Path) -> None:
+    taken = []
+
+    def camera(_snapshot: Snapshot, agent: str) -> Done[NDArray[np.uint8]]:
+        taken.append(agent)
+        return Done(np.full((HEIGHT, WIDTH, 3), 99, np.uint8))
+
+    with Bench(tiny_world()) as bench:
+        pictures = RunPictures(bench.runtime, camera, tmp_path / "run.png")
+        for kind, agent in (("primitive", "arm_1"), ("skill", "arm_1"), ("skill", "arm_2")):
+            for time, status in ((0.0, Status.STARTED), (2.0, Status.TERMINATED)):
+                bench.runtime.monitor.publish(ModuleEvent(time, kind, f"{kind}_1", status, 0, "", agent=agent))
+        pictures.write()
+
+    assert taken == ["arm_1", "arm_2"]
 
 
 def test_without_pictures_or_with_damaged_ones_it_is_said_what_is_wrong(tmp_path: Path) -> None:
