@@ -39,9 +39,9 @@ class Motors:
         self._velocities = np.zeros(0, np.intp)
         self._inertias = np.zeros(0)  # what each moves, in the position in which the model begins
         # Rows: target position, velocity there, share of the error, greatest speed, greatest effort, one-step effort,
-        # the velocity that the last step was to reach, the share of what is missing that the next one learns from (none
-        # where the effort was at its limit), and what is asked for beyond it because earlier steps did not reach theirs;
-        # a column for each motor.
+        # the velocity that the last step was to reach, the share of what it lacked of that to be asked for later (none
+        # where the effort was at its limit), and what is asked for because earlier steps did not reach theirs; a column
+        # for each motor.
         self._values: Array = np.zeros((9, 0))
         self._on: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self.efforts: Array = np.zeros(0)
