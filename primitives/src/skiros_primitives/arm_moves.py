@@ -81,6 +81,11 @@ def refused(why: NoMotion) -> Failure:
     return Failure(why.reason, values=why.values)
 
 
+def further(one: NoMotion | None, other: NoMotion) -> NoMotion:
+    """Returns of two ways that are not possible the later one, unless only the earlier one is within reach."""
+    return one if one is not None and refused(other).is_out_of_reach and not refused(one).is_out_of_reach else other
+
+
 _HOME = 0.05
 """Maximum joint error of an arm in such a posture [rad]."""
 
@@ -498,11 +503,14 @@ class HandlingPrimitive(ArmPrimitive):
         """
         fresh = self.context.tried.fresh(choice, range(len(tools)))
         others = [number for number in range(len(tools)) if number not in fresh]
+        refusal: NoMotion | None = None
         for numbers, lift in product(filter(None, (fresh, others)), LIFTS):
             planned = yield from self.plan(above_routes((tools[number] for number in numbers), touching, lift))
             if isinstance(planned, MotionPlan):
                 return numbers[planned.route], planned
-        return 0, planned
+            refusal = further(refusal, planned)
+        assert refusal is not None, "each pose is tried"
+        return 0, refusal
 
     def come_down(self, planned: MotionPlan, *, landing: float = 0.0) -> Execution[NoMotion | None]:
         """Follows the way down; where it does not arrive, it retreats and returns why.

@@ -43,7 +43,7 @@ _APART = 0.05
 """Where another robot is, is uncertain by so much [m]."""
 _LOOK_EVERY = 0.2
 """Time from what a picture showed in the way of an arm to the next picture [s]."""
-_SILENCE = 5.0
+_SILENCE = 10.0
 """How long a camera may be silent [s]."""
 _ASK_AGAIN = 0.1
 """Time after which it is asked again [s]."""
