@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 
 from skiros_primitives.contact import PRESS, TOLERANCE, ContactWatch, HandForce, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
+from skiros_primitives.obstacle_review import views_of
 from skiros_primitives.playback import Playback, even, reversed_way
 from skiros_primitives.views import SeeingPrimitive
 from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
@@ -47,6 +49,11 @@ from skiros_py.world.vocabulary import GRIPPER, HAS_A, MANIPULATABLE, MASS, OBST
 def _met(thing: str) -> str:
     """Returns under which name it is remembered that something that is known was met."""
     return f"met {thing}"
+
+
+def _looked_at(thing: str) -> str:
+    """Returns under which name it is remembered that an obstacle was looked at again."""
+    return f"looked at {thing}"
 
 
 _ARRIVED = 0.02
@@ -109,6 +116,9 @@ def is_stowed(context: RunContext, arm: ArmSpec) -> bool:
 class ArmPrimitive(SeeingPrimitive):
     """Base of the primitives that move an arm; their parameters have a field ``arm``."""
 
+    looks_again: ClassVar[bool] = False
+    """Whether it looks again at believed obstacles that are in the way."""
+    _is_looking_again = False
     touched = False
     """True once the arm has met something."""
     fitted: frozenset[str] = frozenset()
@@ -173,12 +183,37 @@ class ArmPrimitive(SeeingPrimitive):
             before = driving(self.context, self.robot.id)
             planned = yield from self._planned(routes, speed, base=base, shares=shares)
             if isinstance(planned, NoMotion):
+                if base is None and (yield from self._look_again(planned)):
+                    continue
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
             if refusal is not None:
                 return refusal
             if {*before} <= {*driving(self.context, self.robot.id)}:  # no robot has stopped at a new place meanwhile
                 return planned
+
+    def _look_again(self, refusal: NoMotion) -> Execution[bool]:
+        """Looks from the side at obstacles that are only believed and in the way, each once for this purpose.
+
+        Returns:
+            Whether one of them is not there, or smaller.
+        """
+        camera, met = self.hand_camera, {thing for one in refusal.refusals for thing, _ in one.touches}
+        things = [one for one in self._around() if one.id in met and self.world.element(one.id).type == OBSTACLE]
+        things = [one for one in things if not self.context.tried.options[_looked_at(one.id), 0]]
+        if not self.looks_again or self._is_looking_again or camera is None or not things:
+            return False
+        self._is_looking_again = True
+        for one in things:
+            self.context.tried.note(_looked_at(one.id), 0, Message("looked again at {thing}", thing=one.id))
+            back = self.camera_in_tip(camera).inverse()
+            stuck = yield from self.go([(PoseMove(pose @ back),) for pose in views_of(one, self.base_pose)])
+            if stuck is None:
+                yield from self.take_picture(camera.id)
+                self.show_pictures(self._around())
+        self._is_looking_again = False
+        now = {one.id: one for one in self._around()}
+        return any(now.get(one.id) != one for one in things)
 
     def _reach_out(self, outline: Outline, deadline: float) -> Execution[NoMotion | None]:
         """Waits until no robot drives where the arm will move, and reserves the floor there."""
@@ -203,8 +238,10 @@ class ArmPrimitive(SeeingPrimitive):
         start: tuple[float, ...] | None = None,
         shares: tuple[float, ...] = SHARES,
     ) -> Execution[MotionPlan | NoMotion]:
-        held, around = self.held(), self._around()
+        held, around, version = self.held(), self._around(), self.world.version
         seen = self.show_pictures(around)
+        if self.world.version != version:  # an obstacle is not there
+            around = self._around()
         others = tuple(replace(one, error=self._error(one)) for one in bodies(self.context, self.robot.id))
         request = MotionRequest(
             device=self.params.arm,
@@ -480,6 +517,7 @@ def above_routes(tools: Iterable[Pose], touching: Iterable[str], lift: float) ->
 class HandlingPrimitive(ArmPrimitive):
     """Base of the primitives that come from straight above and retreat; their parameters have a field ``gripper``."""
 
+    looks_again = True
     retreat: Trajectory | None = None
     """The checked line upwards, while the tool is below its end."""
 

@@ -58,6 +58,7 @@ class LookingParams:
 class LookingPrimitive(ArmPrimitive):
     """Base of the primitives that look; their parameters are :class:`LookingParams` and more."""
 
+    looks_again = True
     _view: int | None = None
     """From which side the last picture was taken."""
 
