@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import ClassVar
@@ -49,6 +49,11 @@ from skiros_py.world.vocabulary import GRIPPER, HAS_A, MANIPULATABLE, MASS, OBST
 def _met(thing: str) -> str:
     """Returns under which name it is remembered that something that is known was met."""
     return f"met {thing}"
+
+
+def _felt(thing: str) -> str:
+    """Returns under which name it is remembered that something was felt that is not known."""
+    return f"felt {thing}"
 
 
 def _looked_at(thing: str) -> str:
@@ -179,11 +184,15 @@ class ArmPrimitive(SeeingPrimitive):
             shares: Shares of the errors of where things are to keep away by, the best first.
         """
         deadline = self.context.now + _COURTESY
+        felt = [one.id for one in self._around() if self.context.tried.options[_felt(one.id), 0]]
+        if base is None and felt:
+            yield from self._look_again(felt)
         while True:
             before = driving(self.context, self.robot.id)
             planned = yield from self._planned(routes, speed, base=base, shares=shares)
             if isinstance(planned, NoMotion):
-                if base is None and (yield from self._look_again(planned)):
+                met = {thing for one in planned.refusals for thing, _ in one.touches}
+                if base is None and (yield from self._look_again(met)):
                     continue
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
@@ -192,13 +201,16 @@ class ArmPrimitive(SeeingPrimitive):
             if {*before} <= {*driving(self.context, self.robot.id)}:  # no robot has stopped at a new place meanwhile
                 return planned
 
-    def _look_again(self, refusal: NoMotion) -> Execution[bool]:
-        """Looks from the side at obstacles that are only believed and in the way, each once for this purpose.
+    def _look_again(self, met: Collection[str]) -> Execution[bool]:
+        """Looks from the side at obstacles that are only believed, each once for this purpose.
+
+        Args:
+            met: Ids of what was felt, or is in the way.
 
         Returns:
             Whether one of them is not there, or smaller.
         """
-        camera, met = self.hand_camera, {thing for one in refusal.refusals for thing, _ in one.touches}
+        camera = self.hand_camera
         things = [one for one in self._around() if one.id in met and self.world.element(one.id).type == OBSTACLE]
         things = [one for one in things if not self.context.tried.options[_looked_at(one.id), 0]]
         if not self.looks_again or self._is_looking_again or camera is None or not things:
@@ -419,9 +431,13 @@ class ArmPrimitive(SeeingPrimitive):
             reason = Message("{link} of {arm} met {thing}", link=touch.link, arm=self.params.arm, thing=known)
             self.context.tried.note(_met(known), 0, reason)
         elif is_free:
-            x, y, z = np.add(touch.point, np.multiply(_AHEAD, touch.direction)).tolist()
-            where = self.base_pose @ Pose((x, y, z - _BLOCK / 2.0))
-            believe_obstacle(self.world, self.name, Pose(where.position), (_BLOCK, _BLOCK, _BLOCK), reason)
+            ends = self.base_pose.apply(np.add((touch.point, touch.end), np.multiply(_AHEAD, touch.direction)))
+            low, high = ends.min(axis=0) - _BLOCK / 2.0, ends.max(axis=0) + _BLOCK / 2.0
+            x, y, _ = ((low + high) / 2.0).tolist()
+            length, width, height = (high - low).tolist()
+            where = Pose((x, y, float(low[2])))
+            felt = believe_obstacle(self.world, self.name, where, (length, width, height), reason)
+            self.context.tried.note(_felt(felt), 0, reason)
         self.emit("contact", {"device": self.params.arm, "link": touch.link, "effort": round(touch.effort, 1)})
         return NoMotion(reason, met=True)
 

@@ -122,7 +122,7 @@ class TaskRecord:
             self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
     def _rule_out(self, step: Step, skill: SkillDescription, failure: Failure) -> None:
-        """Notes an attempt that would fail again: out of reach from this place, or wherever it is if a device failed."""
+        """Notes an attempt that would fail again: out of reach from this place, or anywhere if a device failed."""
         agent, target, place = step.arguments[skill.agent], None, None
         if failure.is_out_of_reach:
             target = step.arguments[skill.target]

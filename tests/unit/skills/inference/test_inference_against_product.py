@@ -87,7 +87,8 @@ def skills(draw: st.DrawFn) -> SkillDescription:
 
 
 def skill(params: Sequence[Param], pre: Sequence[Condition]) -> SkillDescription:
-    return SkillDescription("do", "Does.", "Robot", "Box", tuple(params), tuple(pre), (), (condition(Has(MASS, "Box")),))
+    post = (condition(Has(MASS, "Box")),)
+    return SkillDescription("do", "Does.", "Robot", "Box", tuple(params), tuple(pre), (), post)
 
 
 HEAVY_BOX = Exists("x", "tiny:Box", Has(MASS, "x"))
