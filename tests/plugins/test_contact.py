@@ -42,6 +42,8 @@ class World:
         is_a=lambda type_, class_: type_ == class_ or (type_, class_) == ("kitting:Part", "sk:Manipulatable")
     )
 
+    version = 0
+
     def has(self, element: str) -> bool:
         return element in TYPES
 
@@ -124,10 +126,11 @@ class Moving(ArmPrimitive):
     # ContactWatch
 
     touches_at_start = False
+    end = (0.5, 0.0, 0.5)
 
     def felt(self) -> Touch | None:
         met = len(self.commands) == self.meets_at
-        return Touch(9.0, "tcp", (0.5, 0.0, 0.5), (1.0, 0.0, 0.0), frozenset({"link_2"})) if met else None
+        return Touch(9.0, "tcp", (0.5, 0.0, 0.5), self.end, (1.0, 0.0, 0.0), frozenset({"link_2"})) if met else None
 
 
 @pytest.fixture(autouse=True)
@@ -221,6 +224,19 @@ def test_a_contact_that_nothing_explains_is_believed_to_be_an_obstacle(
     run(Moving(touches).follow(WAY))
 
     assert written == ["obstacle"]
+
+
+def test_what_a_hand_has_met_may_be_anywhere_along_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    found: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(arm_moves, "believe_obstacle", lambda *args: found.append(args) or "obstacle_1")
+    arm = Moving()
+    arm.end = (0.5, 0.0, 0.7)
+
+    run(arm.follow(WAY))
+
+    ((_, _, pose, size, _),) = found
+    assert pose.position == pytest.approx((0.6, 0.0, 0.45))
+    assert size == pytest.approx((0.1, 0.1, 0.3))
 
 
 def test_things_are_as_far_off_as_the_localiser_errs_but_what_it_sees_or_carries_is_not() -> None:

@@ -100,9 +100,9 @@ def test_a_part_beyond_the_reach_of_the_arm_is_left_alone_with_that_reason(open_
     picks = [step.reason for step in report.steps if step.skill == "pick"]
     assert not report.reached
     assert is_honest(report)
-    assert 1 <= len(picks) <= 3
-    assert all("no joint angles within the limits reach it" in reason for reason in picks)
-    assert picks[-1] in report.conditions[0].reason
+    assert len(picks) == 1
+    assert "no joint angles within the limits reach it" in picks[0]
+    assert picks[0] in report.conditions[0].reason
     assert where(session, "starter_1") == ("pallet_a", "pallet_a")
     assert session.cycle.board.still
 
@@ -173,10 +173,9 @@ def test_a_camera_that_is_silent_for_a_while_costs_nothing_but_time(
 
     report = session.run([STARTER])
 
-    reasons = [step.reason for step in report.steps if step.reason]
     assert report.reached
     assert is_honest(report)
-    assert reasons == (["grasp: camera 'camera_1' does not answer"] if since else [])
+    assert not any(step.reason for step in report.steps)
     assert fastest_fall(session, fell) < FALLS
 
 
@@ -190,7 +189,7 @@ def test_a_camera_that_stays_silent_is_named_and_nothing_is_touched(
 
     picks = [step for step in report.steps if step.skill == "pick"]
     assert is_honest(report)
-    assert 1 <= len(picks) <= 3
+    assert len(picks) == 1
     assert "camera 'camera_1' does not answer" in report.conditions[0].reason
     assert where(session, "starter_1") == ("pallet_a", "pallet_a")
     assert session.cycle.board.still

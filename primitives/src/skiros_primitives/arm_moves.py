@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 
 from skiros_primitives.contact import PRESS, TOLERANCE, ContactWatch, HandForce, Touch, believe_obstacle
 from skiros_primitives.floor_obstacles import bodies, driving, rides
 from skiros_primitives.gripper import firm_force, move_fingers
+from skiros_primitives.obstacle_review import views_of
 from skiros_primitives.playback import Playback, even, reversed_way
 from skiros_primitives.views import SeeingPrimitive
 from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
@@ -49,6 +51,16 @@ def _met(thing: str) -> str:
     return f"met {thing}"
 
 
+def _felt(thing: str) -> str:
+    """Returns under which name it is remembered that something was felt that is not known."""
+    return f"felt {thing}"
+
+
+def _looked_at(thing: str) -> str:
+    """Returns under which name it is remembered that an obstacle was looked at again."""
+    return f"looked at {thing}"
+
+
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
 _COURTESY = 120.0
@@ -81,6 +93,11 @@ def refused(why: NoMotion) -> Failure:
     return Failure(why.reason, values=why.values)
 
 
+def further(one: NoMotion | None, other: NoMotion) -> NoMotion:
+    """Returns of two ways that are not possible the later one, unless only the earlier one is within reach."""
+    return one if one is not None and refused(other).is_out_of_reach and not refused(one).is_out_of_reach else other
+
+
 _HOME = 0.05
 """Maximum joint error of an arm in such a posture [rad]."""
 
@@ -104,6 +121,9 @@ def is_stowed(context: RunContext, arm: ArmSpec) -> bool:
 class ArmPrimitive(SeeingPrimitive):
     """Base of the primitives that move an arm; their parameters have a field ``arm``."""
 
+    looks_again: ClassVar[bool] = False
+    """Whether it looks again at believed obstacles that are in the way."""
+    _is_looking_again = False
     touched = False
     """True once the arm has met something."""
     fitted: frozenset[str] = frozenset()
@@ -164,16 +184,48 @@ class ArmPrimitive(SeeingPrimitive):
             shares: Shares of the errors of where things are to keep away by, the best first.
         """
         deadline = self.context.now + _COURTESY
+        felt = [one.id for one in self._around() if self.context.tried.options[_felt(one.id), 0]]
+        if base is None and felt:
+            yield from self._look_again(felt)
         while True:
             before = driving(self.context, self.robot.id)
             planned = yield from self._planned(routes, speed, base=base, shares=shares)
             if isinstance(planned, NoMotion):
+                met = {thing for one in planned.refusals for thing, _ in one.touches}
+                if base is None and (yield from self._look_again(met)):
+                    continue
                 return planned
             refusal = yield from self._reach_out(planned.covers, deadline)
             if refusal is not None:
                 return refusal
             if {*before} <= {*driving(self.context, self.robot.id)}:  # no robot has stopped at a new place meanwhile
                 return planned
+
+    def _look_again(self, met: Collection[str]) -> Execution[bool]:
+        """Looks from the side at obstacles that are only believed, each once for this purpose.
+
+        Args:
+            met: Ids of what was felt, or is in the way.
+
+        Returns:
+            Whether one of them is not there, or smaller.
+        """
+        camera = self.hand_camera
+        things = [one for one in self._around() if one.id in met and self.world.element(one.id).type == OBSTACLE]
+        things = [one for one in things if not self.context.tried.options[_looked_at(one.id), 0]]
+        if not self.looks_again or self._is_looking_again or camera is None or not things:
+            return False
+        self._is_looking_again = True
+        for one in things:
+            self.context.tried.note(_looked_at(one.id), 0, Message("looked again at {thing}", thing=one.id))
+            back = self.camera_in_tip(camera).inverse()
+            stuck = yield from self.go([(PoseMove(pose @ back),) for pose in views_of(one, self.base_pose)])
+            if stuck is None:
+                yield from self.take_picture(camera.id)
+                self.show_pictures(self._around())
+        self._is_looking_again = False
+        now = {one.id: one for one in self._around()}
+        return any(now.get(one.id) != one for one in things)
 
     def _reach_out(self, outline: Outline, deadline: float) -> Execution[NoMotion | None]:
         """Waits until no robot drives where the arm will move, and reserves the floor there."""
@@ -198,8 +250,10 @@ class ArmPrimitive(SeeingPrimitive):
         start: tuple[float, ...] | None = None,
         shares: tuple[float, ...] = SHARES,
     ) -> Execution[MotionPlan | NoMotion]:
-        held, around = self.held(), self._around()
+        held, around, version = self.held(), self._around(), self.world.version
         seen = self.show_pictures(around)
+        if self.world.version != version:  # an obstacle is not there
+            around = self._around()
         others = tuple(replace(one, error=self._error(one)) for one in bodies(self.context, self.robot.id))
         request = MotionRequest(
             device=self.params.arm,
@@ -377,9 +431,13 @@ class ArmPrimitive(SeeingPrimitive):
             reason = Message("{link} of {arm} met {thing}", link=touch.link, arm=self.params.arm, thing=known)
             self.context.tried.note(_met(known), 0, reason)
         elif is_free:
-            x, y, z = np.add(touch.point, np.multiply(_AHEAD, touch.direction)).tolist()
-            where = self.base_pose @ Pose((x, y, z - _BLOCK / 2.0))
-            believe_obstacle(self.world, self.name, Pose(where.position), (_BLOCK, _BLOCK, _BLOCK), reason)
+            ends = self.base_pose.apply(np.add((touch.point, touch.end), np.multiply(_AHEAD, touch.direction)))
+            low, high = ends.min(axis=0) - _BLOCK / 2.0, ends.max(axis=0) + _BLOCK / 2.0
+            x, y, _ = ((low + high) / 2.0).tolist()
+            length, width, height = (high - low).tolist()
+            where = Pose((x, y, float(low[2])))
+            felt = believe_obstacle(self.world, self.name, where, (length, width, height), reason)
+            self.context.tried.note(_felt(felt), 0, reason)
         self.emit("contact", {"device": self.params.arm, "link": touch.link, "effort": round(touch.effort, 1)})
         return NoMotion(reason, met=True)
 
@@ -475,6 +533,7 @@ def above_routes(tools: Iterable[Pose], touching: Iterable[str], lift: float) ->
 class HandlingPrimitive(ArmPrimitive):
     """Base of the primitives that come from straight above and retreat; their parameters have a field ``gripper``."""
 
+    looks_again = True
     retreat: Trajectory | None = None
     """The checked line upwards, while the tool is below its end."""
 
@@ -498,11 +557,14 @@ class HandlingPrimitive(ArmPrimitive):
         """
         fresh = self.context.tried.fresh(choice, range(len(tools)))
         others = [number for number in range(len(tools)) if number not in fresh]
+        refusal: NoMotion | None = None
         for numbers, lift in product(filter(None, (fresh, others)), LIFTS):
             planned = yield from self.plan(above_routes((tools[number] for number in numbers), touching, lift))
             if isinstance(planned, MotionPlan):
                 return numbers[planned.route], planned
-        return 0, planned
+            refusal = further(refusal, planned)
+        assert refusal is not None, "each pose is tried"
+        return 0, refusal
 
     def come_down(self, planned: MotionPlan, *, landing: float = 0.0) -> Execution[NoMotion | None]:
         """Follows the way down; where it does not arrive, it retreats and returns why.

@@ -44,7 +44,8 @@ class Touch:
     Attributes:
         effort: Greatest residual of a joint [N m].
         link: The link that is touched, as far as known.
-        point: Where about, in the frame of the base [m].
+        point: Where about, in the frame of the base [m] ...
+        end: ... or between there and here.
         direction: Unit vector in which that link moved.
         before: The links between it and the base, which are not touched.
     """
@@ -52,6 +53,7 @@ class Touch:
     effort: float
     link: str
     point: tuple[float, float, float]
+    end: tuple[float, float, float]
     direction: tuple[float, float, float]
     before: frozenset[str] = frozenset()
 
@@ -229,7 +231,7 @@ class ContactWatch:
         while inner[:, first + 1 :].any() and link in self._kinematics.parents:
             link = self._kinematics.parents[link]
             inner = self._kinematics.jacobian(link, positions, spec.joints)
-        before = frozenset(_above(self._kinematics, link))
+        before, end = frozenset(_above(self._kinematics, link)), self._kinematics.pose(link, positions).position
         if loaded < wrist:
             jacobian = inner
         else:
@@ -237,7 +239,7 @@ class ContactWatch:
         pose = self._kinematics.pose(link, positions)
         moved = rotation_matrix(pose.orientation) @ jacobian[:3] @ np.asarray(state.velocities)
         ahead = moved / max(1e-9, float(np.linalg.norm(moved)))
-        return Touch(effort, link, pose.position, (float(ahead[0]), float(ahead[1]), float(ahead[2])), before)
+        return Touch(effort, link, pose.position, end, (float(ahead[0]), float(ahead[1]), float(ahead[2])), before)
 
 
 PRESS = 5.0

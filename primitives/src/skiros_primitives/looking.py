@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive, refused
+from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_py.devices.camera import CameraSpec
@@ -58,6 +58,7 @@ class LookingParams:
 class LookingPrimitive(ArmPrimitive):
     """Base of the primitives that look; their parameters are :class:`LookingParams` and more."""
 
+    looks_again = True
     _view: int | None = None
     """From which side the last picture was taken."""
 
@@ -101,15 +102,16 @@ class LookingPrimitive(ArmPrimitive):
         refusal: NoMotion | None = None
         choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
         for share, height, views in choices:  # rather lower than nearer to things
-            view, refusal = None if aside else self._looks_from(point, height, base, views), None
+            view, stuck = None if aside else self._looks_from(point, height, base, views), None
             if view is None:
                 routes = self._routes(point, height, base, views, aside=aside)
                 planned = yield from self.plan(routes, shares=(share,))
-                refusal = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
+                stuck = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
                 view = views[planned.route] if isinstance(planned, MotionPlan) else None
-            if view is not None and refusal is None:
+            if view is not None and stuck is None:
                 self._view = view
                 return (yield from self.capture())
+            refusal = refusal if stuck is None else further(refusal, stuck)
         assert refusal is not None, "each view is taken or refused"
         x, y, _ = point
         reason = Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=refusal.reason)
@@ -261,11 +263,12 @@ class RegisterKit(LookingPrimitive):
             return Failure(Message("the position of {kit} is unknown", kit=kit))
         place = map_pose(self.context, self.params.compartment) if self.params.compartment is not None else None
         shown, why = None if place is None else place.position, ""
+        refusal: NoMotion | None = None
         for attempt, aside in enumerate(_ASIDE, start=1):
             self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=kit))
             picture = yield from self.look_down(believed.position, aside=aside, shown=shown)
             if isinstance(picture, NoMotion):
-                why = why or picture.reason
+                refusal = refusal or picture
                 continue
             result = yield from self.fit(kit, believed, picture)
             if result.pose is None:
@@ -279,6 +282,8 @@ class RegisterKit(LookingPrimitive):
                     return Failure(content)
             moved = result.pose.distance(believed) * 1e3
             return Success(Message("{kit} is {moved:.0f} mm from where it was believed", kit=kit, moved=moved))
+        if refusal is not None and not why:
+            return refused(refusal)
         return self.in_vain(Message("{kit} is not recognised where it should be: {why}", kit=kit, why=why))
 
 

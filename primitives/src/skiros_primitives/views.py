@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from skiros_primitives.obstacle_review import review_obstacles
 from skiros_primitives.surfaces import support_region
 from skiros_py import geometry
 from skiros_py.devices.arm import Arm, ArmSpec
@@ -43,7 +44,7 @@ _APART = 0.05
 """Where another robot is, is uncertain by so much [m]."""
 _LOOK_EVERY = 0.2
 """Time from what a picture showed in the way of an arm to the next picture [s]."""
-_SILENCE = 5.0
+_SILENCE = 10.0
 """How long a camera may be silent [s]."""
 _ASK_AGAIN = 0.1
 """Time after which it is asked again [s]."""
@@ -190,6 +191,7 @@ class SeeingPrimitive(Primitive[Any]):
         for image, camera in self.context.pictures.take(self.robot.id):
             with suppress(DeviceError):  # where the camera was, or a robot, is unknown
                 view = depth_view(self.context, self.params.arm, image, camera, around)
+                review_obstacles(self.context, self.name, view)
                 seen = seen if mapper is None else mapper.see(view)
         return seen
 
@@ -221,9 +223,14 @@ class SeeingPrimitive(Primitive[Any]):
         mapper = self.context.ports.find(SceneMapper, self.params.arm) if self.looks_ahead else None
         if mapper is None:
             return None
-        cameras = {one.id for one in self.robot.of(CameraSpec)}
-        camera = next((one for one in self.world.objects(self.params.arm, v.HAS_A) if one in cameras), None)
-        return None if camera is None else self._way_seen(mapper, camera, around(), rest)
+        camera = self.hand_camera
+        return None if camera is None else self._way_seen(mapper, camera.id, around(), rest)
+
+    @property
+    def hand_camera(self) -> CameraSpec | None:
+        """The camera on the arm; None for none."""
+        owned = self.world.objects(self.params.arm, v.HAS_A)
+        return next((one for one in self.robot.of(CameraSpec) if one.id in owned), None)
 
     def _way_seen(
         self, mapper: SceneMapper, camera: str, around: tuple[Obstacle, ...], rest: Callable[[], MotionCheck]

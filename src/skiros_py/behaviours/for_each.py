@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from skiros_py.behaviours.children import Decorator
@@ -77,5 +77,5 @@ class ForEach(Decorator):
                 continue  # gone meanwhile
             outcome = yield from scope.run(self.child, "0", {self.key: element})
             if isinstance(outcome, Failure):
-                return Failure(joined(": ", (element, outcome.reason)), outcome.code)
+                return replace(outcome, reason=joined(": ", (element, outcome.reason)))
         return outcome

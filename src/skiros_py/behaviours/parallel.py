@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from skiros_py.behaviours.children import Composite
@@ -92,7 +92,7 @@ class Parallel(Composite):
         if good and self.policy is Policy.FIRST_SUCCESS:
             return good[0]
         if bad:
-            return Failure(joined("; ", [failure.reason for failure in bad]), bad[0].code)
+            return replace(bad[0], reason=joined("; ", [failure.reason for failure in bad]))
         return Success(joined("; ", [outcome.message for outcome in good if outcome.message]))
 
 

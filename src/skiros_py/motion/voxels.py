@@ -7,6 +7,7 @@ kept: what is not among them is free or was never seen.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -24,6 +25,8 @@ _LOWEST = 0.05
 """What is lower is the floor [m]."""
 _EXPLAINED = 0.025
 """What is this near to something known belongs to it [m]: depth, calibration and joints are not exact."""
+_ABOVE = 0.015
+"""What is higher than this above it does not [m]: where something stands is uncertain, but not how high it is."""
 _SHARE = 0.3
 """Share of the points on a whole side of a voxel that show that it is occupied ..."""
 _FEWEST = 3
@@ -162,7 +165,9 @@ def explained(points: Array, known: Iterable[Obstacle]) -> Flags:
         margin = _EXPLAINED + one.error
         left = np.flatnonzero(~found & _around(points, one, margin))
         for block in one.solid.primitives if len(left) else ():
-            found[left] |= _distances((one.pose @ block.pose).inverse().apply(points[left]), block) < margin
+            pose = one.pose @ block.pose
+            near = _distances(pose.inverse().apply(points[left]), block) < margin
+            found[left] |= near & (points[left, 2] < _top(pose, block) + _ABOVE)
     return found
 
 
@@ -181,6 +186,16 @@ def _distances(points: Array, block: Primitive) -> Array:
         radius, length = block.size
         outside = np.column_stack([np.hypot(points[:, 0], points[:, 1]) - radius, np.abs(points[:, 2]) - length / 2.0])
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
+
+
+def _top(pose: Pose, block: Primitive) -> float:
+    """Returns the height of the highest point of a block at a pose in the map [m]."""
+    x, y, z = pose.matrix()[2, :3]
+    if block.kind == "box":
+        length, width, height = block.size
+        return pose.position[2] + (abs(x) * length + abs(y) * width + abs(z) * height) / 2.0
+    radius, height = block.size
+    return pose.position[2] + math.hypot(x, y) * radius + abs(z) * height / 2.0
 
 
 def things(voxels: Voxels) -> Iterator[tuple[Pose, Solid]]:

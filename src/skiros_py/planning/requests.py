@@ -17,13 +17,25 @@ from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.replay import Flaw, apply_effects, replay
 from skiros_py.planning.sequence import Round
 from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
-from skiros_py.skills.conditions import Computed, Condition, ConditionType, Role, Verdict
+from skiros_py.skills.conditions import (
+    AllOf,
+    AnyOf,
+    Computed,
+    Condition,
+    ConditionType,
+    Exists,
+    Pattern,
+    Related,
+    Role,
+    Verdict,
+)
 from skiros_py.skills.conditions.watch import Key, ReadingView
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
+from skiros_py.world.vocabulary import AT, HAS_A, LOCATION, ROBOT
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -109,6 +121,63 @@ class _NotLeftOut:
 
 
 @dataclass(frozen=True, slots=True)
+class RuledOut:
+    """An attempt that would fail again.
+
+    Attributes:
+        skill: The skill.
+        agent: Who tried it.
+        target: Its target; None for any.
+        place: Where the robot was; None for anywhere.
+        reason: Why it fails.
+    """
+
+    skill: str
+    agent: str
+    target: str | None
+    place: str | None
+    reason: str
+
+    def is_of(self, skill: str, agent: str, target: str | None) -> bool:
+        """Returns whether it is an attempt of this kind, wherever the robot is."""
+        return (self.skill, self.agent) == (skill, agent) and self.target in (None, target)
+
+
+@dataclass(frozen=True, slots=True)
+class _MayTry:
+    """Tells whether an agent may try a target.
+
+    Attributes:
+        ruled_out: What it may not try.
+    """
+
+    ruled_out: tuple[RuledOut, ...]
+
+    def __call__(self, view: WorldView, agent: str, target: str) -> Verdict:  # noqa: ARG002 - as functions of relations
+        for one in self.ruled_out:
+            if one.agent == agent and one.target in (None, target):
+                return Verdict(False, Message("{agent}: {reason}", agent=agent, reason=one.reason))
+        return Verdict(True, Message("{agent} may try {target}", agent=agent, target=target))
+
+
+@dataclass(frozen=True, slots=True)
+class _MayTryFrom:
+    """Tells whether a target was not tried from a place.
+
+    Attributes:
+        ruled_out: What was tried.
+    """
+
+    ruled_out: tuple[RuledOut, ...]
+
+    def __call__(self, view: WorldView, place: str, target: str) -> Verdict:  # noqa: ARG002 - as functions of relations
+        for one in self.ruled_out:
+            if (one.place, one.target) == (place, target):
+                return Verdict(False, Message("from {place}: {reason}", place=place, reason=one.reason))
+        return Verdict(True, Message("{target} was not tried from {place}", place=place, target=target))
+
+
+@dataclass(frozen=True, slots=True)
 class PlanRequest:
     """A request for a plan.
 
@@ -117,6 +186,7 @@ class PlanRequest:
         capabilities: The available skills.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Elements that no skill of a plan may have as its target, each with the reason; nor are they chosen.
+        ruled_out: Attempts that are not planned again.
         busy: Robots and things that other tasks use: planned with only as a last resort.
         running: Running steps, assumed to succeed.
         options: Planning options.
@@ -126,6 +196,7 @@ class PlanRequest:
     capabilities: tuple[Capability, ...]
     reached: Mapping[str, int] = field(default_factory=dict)
     left_out: Mapping[str, str] = field(default_factory=dict)
+    ruled_out: tuple[RuledOut, ...] = ()
     busy: frozenset[str] = frozenset()
     running: tuple[Step, ...] = ()
     options: PlanningOptions = USUAL
@@ -152,16 +223,29 @@ class PlanRequest:
         if self.running:
             skills = {c.skill.name: c.skill for c in self.capabilities}
             view, reached = supposing(view, self.running, skills, reached)
-        if self.left_out:
+        if self.left_out or self.ruled_out:
             capabilities = [replace(c, skill=self._restricted(c.skill)) for c in capabilities]
         return plan(planners, view, capabilities, self.goal, reached=reached, options=self.options, stopped=stopped)
 
     def _restricted(self, skill: SkillDescription) -> SkillDescription:
         """Returns a skill for other targets only: facts may lead to one that is left out, though none is chosen."""
-        roles = tuple(Role(key, skill.param(key).element_class) for key in (skill.agent, skill.target))
-        pattern = Computed("may try", skill.agent, skill.target, _NotLeftOut(tuple(sorted(self.left_out.items()))))
-        may_try = ConditionType("MayTry", roles, pattern, "The target was not given up.")
-        return replace(skill, pre=(*skill.pre, may_try(skill.agent, skill.target)))
+        agent, target = skill.agent, skill.target
+        roles = tuple(Role(key, skill.param(key).element_class) for key in (agent, target))
+        own = tuple(one for one in self.ruled_out if one.skill == skill.name)
+        patterns: list[Pattern] = []
+        if self.left_out:
+            patterns.append(Computed("may try", agent, target, _NotLeftOut(tuple(sorted(self.left_out.items())))))
+        if anywhere := tuple(one for one in own if one.place is None):
+            patterns.append(Computed("may try", agent, target, _MayTry(anywhere)))
+        if there := tuple(one for one in own if one.place is not None):
+            stands = Exists("robot", ROBOT, AllOf((Related(HAS_A, "robot", agent), Related(AT, "robot", "place"))))
+            new = Computed("may try from", "place", target, _MayTryFrom(there))
+            elsewhere = Exists("place", LOCATION, AllOf((stands, new)))
+            patterns.append(AnyOf((Computed("may try", agent, target, _MayTry(there)), elsewhere)))
+        if not patterns:
+            return skill
+        may_try = ConditionType("MayTry", roles, AllOf(tuple(patterns)), "The target was not given up.")
+        return replace(skill, pre=(*skill.pre, may_try(agent, target)))
 
     def _free(self, capability: Capability, view: WorldView) -> Capability:
         """Restricts a capability to subsystems whose robots no other task uses."""

@@ -238,8 +238,11 @@ class NoMotion:
 
     @property
     def values(self) -> dict[str, str]:
-        """What kind of reason it is, as values of a failure: a :data:`Cause` or "contact"; empty if unknown."""
-        decisive = furthest(self.refusals)
+        """What kind of reason it is, as values of a failure: a :data:`Cause` or "contact"; empty if unknown.
+
+        It is "reach" only if no way at all is within reach.
+        """
+        decisive = furthest(one for one in self.refusals if one.cause != "reach") or furthest(self.refusals)
         cause = "contact" if self.met else decisive.cause if decisive else ""
         return {"cause": cause} if cause else {}
 

@@ -47,6 +47,16 @@ class Failure:
     code: int = -1
     values: Mapping[str, Any] = field(default_factory=lambda: _NO_VALUES, hash=False, repr=False)
 
+    @property
+    def is_out_of_reach(self) -> bool:
+        """True if nothing but another place of the robot can change it."""
+        return self.values.get("cause") == "reach"
+
+    @property
+    def is_final(self) -> bool:
+        """True if the same attempt from the same place would end in the same way."""
+        return self.code == DEVICE_FAILED or self.is_out_of_reach
+
 
 Outcome = Success | Failure
 

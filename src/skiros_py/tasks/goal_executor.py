@@ -123,6 +123,8 @@ class GoalExecutor(TaskExecutor):
         targets = {step.arguments[self._skills[step.skill].target] for step in progress.rest}
         if targets & self.record.left_out.keys():
             return False
+        if any(self.record.is_ruled_out(step, self._skills[step.skill]) for step in progress.rest):
+            return False
         return (yield from self._meanwhile(monitor.recheck(progress, self.record.reached)))
 
     def _plan(self, kept: tuple[Condition, ...]) -> Execution[Planned]:

@@ -12,11 +12,13 @@ from skiros_py.messages import Message, joined
 from skiros_py.planning.domain.actions import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.stock import believed
+from skiros_py.planning.requests import RuledOut
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 from skiros_py.tasks.trace import StepEnd
@@ -42,6 +44,7 @@ class TaskRecord:
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Targets on which a skill failed too often, each with its last failure.
+        ruled_out: Attempts that failed for a reason that does not change by itself, the latest of each kind.
         tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
         worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
@@ -57,6 +60,7 @@ class TaskRecord:
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
         self.left_out: dict[str, str] = {}
+        self.ruled_out: dict[tuple[str | None, ...], RuledOut] = {}
         self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
@@ -97,6 +101,8 @@ class TaskRecord:
             self._reasons.pop(target, None)  # the latest failure is the last entry
             self._reasons[target] = reason, self.tried[purpose(step, skill, self._view)]
             self._count_failure(step, skill, reason)
+            if outcome.is_final:
+                self._rule_out(step, skill, outcome)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
             self.reached = dict(self._round.reached)
@@ -115,12 +121,29 @@ class TaskRecord:
         if target not in moved and self._failures[moved] >= self._attempts:
             self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
+    def _rule_out(self, step: Step, skill: SkillDescription, failure: Failure) -> None:
+        """Notes an attempt that would fail again: out of reach from this place, or anywhere if a device failed."""
+        agent, target, place = step.arguments[skill.agent], None, None
+        if failure.is_out_of_reach:
+            target = step.arguments[skill.target]
+            robot = robot_of(self._view, agent)
+            placement = self._view.placement(robot) if self._view.has(robot) else None
+            place = placement.place if placement is not None else None
+        ruled_out = RuledOut(step.skill, agent, target, place, failure.reason)
+        self.ruled_out[step.skill, agent, target, place] = ruled_out
+
+    def is_ruled_out(self, step: Step, skill: SkillDescription) -> bool:
+        """Returns whether a step is one of the attempts that failed for good, wherever the robot was."""
+        agent, target = step.arguments[skill.agent], step.arguments.get(skill.target)
+        return any(one.is_of(step.skill, agent, target) for one in self.ruled_out.values())
+
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""
         self._failures.clear()
         self.tried.clear()
         self.worn_out.clear()
         self.left_out.clear()
+        self.ruled_out.clear()
         self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
 
     # ------------------------------------------------------------------ conditions

@@ -69,6 +69,7 @@ class Replanner:
             self._context.capabilities,
             self._record.reached,
             dict(self._record.left_out),
+            tuple(self._record.ruled_out.values()),
             busy,
             tuple(running),
             self._context.options,

@@ -93,11 +93,12 @@ class SequenceExecutor(TaskExecutor):
             yield
 
     def _is_too_much(self, failures: int, step: Step, failure: Failure) -> bool:
-        if failures < self._task.policy.attempts:
+        if failures < self._task.policy.attempts and not failure.is_final:
             trouble = Message("{step} failed: {reason}", step=step.skill, reason=failure.reason)
             self._trace.write(TraceEventKind.RETRIED, Message("{trouble}: it is tried again", trouble=trouble))
             return False
         said = describe_step(step, self._skills[step.skill])
         failed = {"step": said, "count": failures, "reason": failure.reason}
-        self.record.fault = Message("{step} failed {count} times: {reason}", **failed)
+        times = Message("{step} failed {count} times: {reason}", **failed)
+        self.record.fault = times if failures > 1 else Message("{step} failed: {reason}", **failed)
         return True

@@ -72,6 +72,20 @@ class Step(Primitive[Any]):
             yield
 
 
+class Far(Primitive[Any]):
+    """Fails with its cause as data."""
+
+    name: ClassVar[str] = "far"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        pass
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        return Failure("too far", values={"cause": "reach"})
+
+
 class Hold(Primitive[Any]):
     """Holds an arm for some cycles."""
 
@@ -119,7 +133,7 @@ def step(text: str, **more: Any) -> Do:
 
 def bench_for(body: Behaviour, *others: Skill, **skill: Any) -> Bench:
     mine = Skill(skill.pop("description", AFTER), body, driver="fake", **skill)
-    return Bench(tiny_world(), (mine, *others), (Step, Hold, Arrive))
+    return Bench(tiny_world(), (mine, *others), (Step, Far, Hold, Arrive))
 
 
 def outcome_of(body: Behaviour, *others: Skill, **skill: Any) -> Outcome:
@@ -175,6 +189,17 @@ def test_all_waits_for_every_branch_and_fails_if_one_fails() -> None:
 
     assert outcome_of(together) == Failure("no luck")
     assert len(cycles("good")) == 5
+
+
+@pytest.mark.parametrize(
+    ("node", "reason"),
+    [
+        (Parallel.of(step("good"), Do.of("far"), policy=Policy.ALL), "too far"),
+        (ForEach("Ball", "tiny:Ball", Do.of("far")), "ball_1: too far"),
+    ],
+)
+def test_a_cause_as_data_is_passed_on(node: Behaviour, reason: str) -> None:
+    assert outcome_of(node) == Failure(reason, values={"cause": "reach"})
 
 
 def test_branches_that_need_one_device_take_turns() -> None:
@@ -237,7 +262,7 @@ def test_expressions_over_signals_are_waited_for_guarded_and_checked() -> None:
         driver="fake",
     )
     level = Input(Signal("level"), 0.0)
-    with Bench(tiny_world(), (skill,), (Step, Hold, Arrive), signals=lambda _cell: [level]) as bench:
+    with Bench(tiny_world(), (skill,), (Step, Far, Hold, Arrive), signals=lambda _cell: [level]) as bench:
         running = bench.start("drive", **TO_A)
         bench.advance(0.1)
         assert texts() == []
@@ -293,7 +318,7 @@ def outer(body: Behaviour) -> Skill:
 
 
 def run_tour(body: Behaviour, *others: Skill) -> tuple[Outcome, Bench]:
-    with Bench(tiny_world(), (outer(body), *others), (Step, Hold, Arrive)) as bench:
+    with Bench(tiny_world(), (outer(body), *others), (Step, Far, Hold, Arrive)) as bench:
         return bench.run("tour", **TO_A), bench
 
 

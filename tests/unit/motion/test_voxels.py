@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skiros_py.geometry import Pose, Solid
-from skiros_py.motion.voxels import SIZE, VoxelMap, Voxels, boxes, things
+from skiros_py.geometry import Array, Pose, Primitive, Solid
+from skiros_py.motion.voxels import SIZE, VoxelMap, Voxels, boxes, explained, things
 from skiros_py.ports.motion import DepthView, Obstacle
 from skiros_py.ports.values import CameraIntrinsics
 
@@ -69,6 +70,45 @@ def test_noise_and_an_uncertain_place_make_nothing_occupied(seed: int) -> None:
     off = Obstacle("part", Solid.box(0.06, 0.06, 0.2), Pose((0.12, -0.07, TOP)), error=0.021)
 
     assert len(seen(view((0.1, -0.05, 0.2, 0.06), known=(TABLE, off), seed=seed)).occupied.centres) == 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_low_thing_on_a_table_whose_place_is_uncertain_is_seen(seed: int) -> None:
+    table = replace(TABLE, error=0.021)
+    height = 0.02
+
+    assert len(seen(view((0.1, -0.05, height, 0.08), known=(table,), seed=seed)).occupied.centres) > 0
+    assert len(seen(view(known=(table,), seed=seed)).occupied.centres) == 0
+
+
+@pytest.mark.parametrize(
+    "turn", [Pose(), Pose.of(0.0, 0.0, 0.0, pitch=math.pi / 2.0), Pose.of(0.0, 0.0, 0.0, roll=0.5)]
+)
+@pytest.mark.parametrize("solid", [Solid.box(0.1, 0.06, 0.04), Solid((Primitive("cylinder", (0.03, 0.12)),))])
+def test_what_is_known_explains_what_is_beside_it_but_little_above_it(solid: Solid, turn: Pose) -> None:
+    thing = Obstacle("thing", solid, Pose((1.0, 2.0, 0.5)) @ turn, error=0.02)
+    points = thing.pose.apply(_surface(solid.primitives[0]))
+    top = points[points[:, 2].argmax()]
+
+    above = top + np.outer((0.01, 0.02), (0.0, 0.0, 1.0))
+    beside = points[points[:, 0].argmax()] + (0.04, 0.0, 0.0)
+
+    assert explained(above, [thing]).tolist() == [True, False]
+    assert explained(beside[None], [thing]).tolist() == [True]
+
+
+def _surface(block: Primitive) -> Array:
+    """Returns many points on a block, in the frame of its solid."""
+    turns = np.linspace(0.0, 2.0 * math.pi, 361)
+    if block.kind == "box":
+        corners = itertools.product(*((-length / 2.0, length / 2.0) for length in block.size))
+        return block.pose.apply(np.array(list(corners)))
+    radius, length = block.size
+    rims = [
+        np.column_stack([radius * np.cos(turns), radius * np.sin(turns), np.full(361, z)])
+        for z in (-length / 2.0, length / 2.0)
+    ]
+    return block.pose.apply(np.vstack(rims))
 
 
 def test_what_a_later_picture_sees_through_is_free() -> None:

@@ -9,10 +9,13 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.errors import DeviceError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.skills.surroundings import robot_of
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
@@ -320,3 +323,107 @@ def test_a_cause_that_is_not_the_target_is_not_tried_three_times_at_each() -> No
 
     assert [step.skill for step in report.steps].count("place") <= 4
     assert all("the arm cannot go home" in c.reason for c in report.conditions if c.tries)
+
+
+# ------------------------------------------------------------------ what another try cannot change
+
+
+class Reach(Primitive[Any]):
+    """Reaches from some places only, with a device that answers or not."""
+
+    name: ClassVar[str] = "reach"
+    from_: ClassVar[frozenset[str]] = frozenset()
+    dead: ClassVar[frozenset[str]] = frozenset()
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        arm: str = param("sk:Arm", "Which arm.")
+        thing: str = param("sk:SpatialThing", "What to reach.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        if self.params.arm in self.dead:
+            raise DeviceError(f"the camera of {self.params.arm} does not answer")
+        placement = self.world.placement(robot_of(self.world, self.params.arm))
+        if placement is not None and placement.place in self.from_:
+            return Success()
+        return Failure(f"{self.params.thing} is too far away", values={"cause": "reach"})
+
+
+@pytest.fixture
+def reach(monkeypatch: pytest.MonkeyPatch) -> type[Reach]:
+    monkeypatch.setattr(Reach, "from_", frozenset({"box_a", "box_b"}))
+    monkeypatch.setattr(Reach, "dead", frozenset[str]())
+    return Reach
+
+
+def reaching(thing: SkillDescription) -> Skill:
+    return pretend(thing, Sequence.of(Do.of("reach", arm=P("Arm"), thing=P(thing.target)), AssertEffects(0.02)))
+
+
+REACHING = (pretend(DRIVE), reaching(PICK), reaching(PLACE))
+
+
+def failed(report: GoalReport) -> list[tuple[str, str]]:
+    return [(step.skill, step.arguments["Arm"]) for step in report.steps if step.reason]
+
+
+def test_what_is_out_of_reach_is_given_up_at_once_with_the_reason_and_the_rest_is_done(reach: type[Reach]) -> None:
+    reach.from_ = frozenset({"box_b"})
+    with Bench(tiny_world(), REACHING, (Reach,)) as bench:
+        report = finish(bench, begin(bench, GOAL, "In(red_ball_1, slot_2)"))
+
+    far, done = report.conditions
+    assert [step.arguments["Ball"] for step in report.steps if step.reason] == ["ball_1"]
+    assert "ball_1 is too far away" in far.reason
+    assert done.believed
+
+
+def test_what_is_out_of_reach_from_one_place_is_tried_from_another_next(reach: type[Reach]) -> None:
+    class ReachSlot(Reach):
+        name: ClassVar[str] = "reach_slot"
+        from_: ClassVar[frozenset[str]] = frozenset({"box_b"})
+
+    place = Sequence.of(Do.of("reach_slot", arm=P("Arm"), thing=P("Slot")), AssertEffects(0.02))
+    skills = (pretend(DRIVE), reaching(PICK), pretend(PLACE, place))
+    with Bench(tiny_world(), skills, (Reach, ReachSlot)) as bench:
+        report = finish(bench, begin(bench, "In(ball_1, slot_1)"))
+
+    assert report.reached
+    assert [(step.skill, bool(step.reason)) for step in report.steps] == [
+        *(("drive", False), ("pick", False), ("place", True)),
+        *(("drive", False), ("place", False)),
+    ]
+
+
+def test_where_a_device_is_dead_its_robot_is_not_asked_again_and_another_does_it(reach: type[Reach]) -> None:
+    reach.dead = frozenset({"arm_1"})
+    with Bench(tiny_world(robots=2), REACHING, (Reach,)) as bench:
+        report = finish(bench, begin(bench, GOAL, "In(red_ball_1, slot_2)"))
+
+    assert report.reached
+    assert failed(report) == [("pick", "arm_1")]
+    assert {step.arguments["Arm"] for step in report.steps if step.skill == "place"} == {"arm_2"}
+
+
+def test_a_device_that_nothing_replaces_is_the_reason_that_is_given_for_all(reach: type[Reach]) -> None:
+    reach.dead = frozenset({"arm_1"})
+    with Bench(tiny_world(), REACHING, (Reach,)) as bench:
+        report = finish(bench, begin(bench, GOAL, "In(red_ball_1, slot_2)"))
+
+    assert failed(report) == [("pick", "arm_1")]
+    assert all("the camera of arm_1 does not answer" in condition.reason for condition in report.conditions)
+
+
+def test_what_a_person_has_mended_is_tried_again(reach: type[Reach]) -> None:
+    reach.dead = frozenset({"arm_1"})
+    with Bench(tiny_world(), REACHING, (Reach,)) as bench:
+        task = begin(bench, policy=Policy(ask=True))
+        bench.until(lambda: task.status == "waiting")
+        reach.dead = frozenset()
+        (question,) = bench.questions.open
+        bench.questions.answer(question.id, "retry", by="ada")
+        report = finish(bench, task)
+
+    assert report.reached
+    assert failed(report) == [("pick", "arm_1")]

@@ -146,6 +146,9 @@ class Search:
 
     def solutions(self) -> Iterator[dict[str, str]]:
         """Yields every way to bind the variables, each once, in an order that is the same in every run."""
+        about_known = (c.pattern for c in self._constraints if c.names <= self._known.keys())
+        if not all(pattern.evaluate(self._view, self._known) for pattern in about_known):
+            return
         domains = self._narrowed(self._constraints, self._known, dict.fromkeys(self._classes))
         if domains is not None:
             for binding in self._extensions(self._known, domains):

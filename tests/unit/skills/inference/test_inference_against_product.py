@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import product
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.skills.conditions import (
@@ -83,7 +83,21 @@ def skills(draw: st.DrawFn) -> SkillDescription:
         cost = draw(st.sampled_from([None, None, MASS, lambda view, name: float(ord(name[-1]))]))
         params.append(Param(key, class_, "It.", prefer=prefer, cost=cost, unique=draw(st.integers(0, 9)) == 0))
     pre = tuple(condition(p) for p in draw(st.lists(patterns(keys), max_size=4)) if variables(p))
-    return SkillDescription("do", "Does.", "Robot", "Box", tuple(params), pre, (), (condition(Has(MASS, "Box")),))
+    return skill(params, pre)
+
+
+def skill(params: Sequence[Param], pre: Sequence[Condition]) -> SkillDescription:
+    post = (condition(Has(MASS, "Box")),)
+    return SkillDescription("do", "Does.", "Robot", "Box", tuple(params), tuple(pre), (), post)
+
+
+HEAVY_BOX = Exists("x", "tiny:Box", Has(MASS, "x"))
+"""Names none of the parameters; no box of :func:`base` has a mass."""
+
+NO_HEAVY_BOX = skill(
+    [Param(key, class_, "It.") for key, class_ in CLASSES.items()],
+    [condition(AllOf((Nothing(IN, "Robot"), HEAVY_BOX)))],
+)
 
 
 @cache
@@ -155,6 +169,7 @@ def test_the_best_of_all_combinations_is_found(world: WorldView, skill: SkillDes
 
 @settings(max_examples=100, deadline=None)
 @given(world=worlds(), skill=skills())
+@example(world=base(), skill=NO_HEAVY_BOX)
 def test_without_a_solution_no_answer_fulfils_all_conditions(world: WorldView, skill: SkillDescription) -> None:
     expected = naive(skill, {}, world)
 
