@@ -43,7 +43,7 @@ def _mend(piece: ET.Element) -> None:
         for element in piece.iter("mass"):
             element.set("value", str(mass))
         for element in piece.iter("inertia"):
-            element.attrib.update({axis: str(moment) for axis, moment in zip(("ixx", "iyy", "izz"), moments, strict=True)})
+            element.attrib.update(zip(("ixx", "iyy", "izz"), map(str, moments), strict=True))
     elif piece.tag == "joint":
         speed, torque = _JOINTS[number]
         for element in piece.iter("limit"):

@@ -231,9 +231,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         speed = ahead * rate
         offset = _STIFFNESS**2 * place.aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
         steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * place.turned
-        return BaseTwist(
-            speed + _CATCHING_UP * place.behind, max(-self.max_angular, min(self.max_angular, steer))
-        )
+        return BaseTwist(speed + _CATCHING_UP * place.behind, max(-self.max_angular, min(self.max_angular, steer)))
 
     def _glided(self, curve: Curve, place: Place, rate: float, drift: float) -> BaseTwist:  # noqa: ARG002 - needs no sum
         """Drives along a curve and straight back to it, whatever the heading."""

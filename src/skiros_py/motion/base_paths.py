@@ -286,7 +286,7 @@ def _rounded(way: Sequence[Point], share: float) -> Array:
         before, here, after = corners[number - 1 : number + 2]
         first = here + (before - here) * half / lengths[number - 1]
         last = here + (after - here) * half / lengths[number]
-        time = np.linspace(0.0, 1.0, max(2, math.ceil(2.0 * half / _FINE)))[:, None] if half > _NO_WAY else np.zeros((1, 1))
+        time = np.linspace(0.0, 1.0, 1 + math.ceil(2.0 * half / _FINE))[:, None]
         points += list((1.0 - time) ** 2 * first + 2.0 * time * (1.0 - time) * here + time**2 * last)
     points.append(corners[-1])
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(np.array(points), axis=0).T))])
@@ -320,7 +320,7 @@ def _headings(points: Array, start: Pose, goal: Pose, way: Sequence[Point]) -> I
 
 
 def _is_smooth(poses: Sequence[Pose]) -> bool:
-    """Returns whether a base turns little from each pose to the next; at a sharp corner one that looks ahead does not."""
+    """Returns whether a base turns little from pose to pose; one that looks ahead does not at sharp corners."""
     return all(abs(wrap_angle(after.yaw - before.yaw)) < _JUMP for before, after in pairwise(poses))
 
 
@@ -517,7 +517,7 @@ class _Floor:
         return [_without_stops(way) for way in whole]
 
     def glides_freely(self, path: BasePath) -> bool:
-        """Returns whether the robot keeps its distance from everything on a path; near its docks, what it keeps there."""
+        """Returns whether the robot keeps its distance from everything on a path; near docks, what it keeps there."""
         poses = [pose for _, pose in path.poses(self.start, way=_GLIDED, turn=_GLIDED)]
         docks = (self.start, self._clearance_at(self.start)), (self.goal, self._clearance_at(self.goal))
         clearances = [
@@ -525,11 +525,11 @@ class _Floor:
             for pose in poses
         ]
         least = np.minimum(clearances[1:], clearances[:-1])
-        return not any(
-            shapely.dwithin(shapely.union_all(list(areas.values())), np.array(swept(outline, poses)), least).any()
-            for outline, areas in self._layers
-            if areas
-        )
+        for outline, areas in self._layers:
+            distances = shapely.distance(shapely.union_all(list(areas.values())), np.array(swept(outline, poses)))
+            if (distances <= least).any():  # the distance of nothing is not a number
+                return False
+        return True
 
     def moved(self, way: Sequence[Point], number: int, step: float) -> Iterator[list[Point]]:
         """Yields a way with one of its points moved; the first and the last but one stay in line with their docks."""
