@@ -25,7 +25,7 @@ _LINKS = {
     6: (1.8, (0.0049, 0.0047, 0.0036)),
     7: (1.2, (0.001, 0.001, 0.001)),
 }
-"""Masses of the links [kg] and their moments of inertia about x, y and z [kg m²]; together about the 30 kg of the arm."""
+"""Masses of the links [kg], together about the 30 kg of the arm, and their moments of inertia about x, y, z [kg m²]."""
 _JOINTS = {1: (85, 320), 2: (85, 320), 3: (100, 176), 4: (75, 176), 5: (130, 110), 6: (135, 40), 7: (135, 40)}
 """Greatest speed [deg/s] and torque [N m] of each joint, from the data sheet."""
 
