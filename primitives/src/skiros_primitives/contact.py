@@ -115,8 +115,9 @@ class WholeMotion:
         speeds = self._speeds()
         accelerations, self._before = (speeds - self._before) / self._board.period, speeds
         if self._base is not None:
-            self.is_knocked = bool(max(abs(accelerations[0]), abs(accelerations[2])) > _KNOCK)
-            accelerations[1] = speeds[0] * speeds[2]  # it drives ahead while it turns
+            self.is_knocked = bool(np.abs(accelerations[: len(BASE_JOINTS)]).max() > _KNOCK)
+            ahead, aside, around = speeds[: len(BASE_JOINTS)]
+            accelerations[:2] += -aside * around, ahead * around  # it drives while it turns
         return JointMotion(self.joints, self._positions(), speeds, accelerations)
 
     def as_if_even(self) -> JointMotion:
@@ -134,8 +135,7 @@ class WholeMotion:
         speeds: list[float] = []
         if self._base is not None:
             state = self._board.snapshot.devices[self._base.id]
-            ahead, around = (getattr(state, name, None) or 0.0 for name in ("linear", "angular"))
-            speeds = [ahead, 0.0, around]
+            speeds = [getattr(state, name, None) or 0.0 for name in ("linear", "sideways", "angular")]
         return np.array([*speeds, *(speed for state in self._states() for speed in state.velocities)])
 
 

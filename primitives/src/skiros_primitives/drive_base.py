@@ -207,14 +207,15 @@ class DriveBase(DrivingPrimitive):
 
     def _back_off(self, base: Mobile) -> Execution[None]:
         """Writes that something is where the base met it, and drives back a little."""
-        ahead = self.bumped
-        edge = max(ahead * x for x, _ in self._spec().footprint)
-        x, y, _ = (self.pose @ Pose((ahead * (edge + _BLOCK[0] / 2.0), 0.0, 0.0))).position
+        ahead, aside = self.bumped or (1.0, 0.0)
+        edge = max(ahead * x + aside * y for x, y in self._spec().footprint) + _BLOCK[0] / 2.0
+        x, y, _ = (self.pose @ Pose((ahead * edge, aside * edge, 0.0))).position
+        yaw = self.pose.yaw + (math.atan2(aside, ahead) if self._spec().drives_sideways else 0.0)
         reason = Message("{base} met something", base=self.params.base)
-        met = believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=self.pose.yaw), _BLOCK, reason)
+        met = believe_obstacle(self.world, self.name, Pose.of(x, y, 0.0, yaw=yaw), _BLOCK, reason)
         self._met = (*self._met, met)
         self.emit("contact", {"device": self.params.base})
-        retreat = base.direct_path(self.pose, self.pose @ Pose((-ahead * _RETREAT, 0.0, 0.0)))
+        retreat = base.direct_path(self.pose, self.pose @ Pose((-ahead * _RETREAT, -aside * _RETREAT, 0.0)))
         follower, deadline = base.follow(retreat, lambda: self.pose, max_linear=_SLOWLY), self.context.now + 5.0
         for _, target in follower:
             if self.context.now > deadline:
@@ -260,7 +261,8 @@ class DriveBase(DrivingPrimitive):
     def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         around = (*self._things(), *chain.from_iterable(self.context.pictures.unknown.values()), *robots)
-        request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
+        glides = self._spec().drives_sideways
+        request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base, glides=glides)
         return (yield from self.wait(planner.plan(request)))
 
     @property

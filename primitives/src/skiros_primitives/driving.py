@@ -44,6 +44,7 @@ class Bumper:
         self._dynamics = context.ports.find(Dynamics, base.id)
         self._motion = WholeMotion(context, context.cell.group_of(base.id))
         self._base = base
+        self._glides = base.spec.drives_sideways
         self._measures = self._dynamics is not None and None not in self._exerted()
         self._pushes = 0
 
@@ -58,12 +59,14 @@ class Bumper:
             )
         needed = self._dynamics.efforts(motion).tolist()
         force, torque = exerted[0] - needed[0], exerted[1] - needed[2]  # ahead and around
-        self._pushes = self._pushes + 1 if max(abs(force), abs(torque)) > _PUSH else 0
+        aside = exerted[2] - needed[1] if self._glides else 0.0
+        self._pushes = self._pushes + 1 if max(abs(force), abs(torque), abs(aside)) > _PUSH else 0
         return self._pushes >= _PUSHES
 
     def _exerted(self) -> list[Any]:
-        """Returns force and moment; None where they are not measured."""
-        return [getattr(self._base.state, name, None) for name in ("force", "torque")]
+        """Returns force ahead, moment, and for a base that glides force to the left; None where not measured."""
+        names = ("force", "torque", "side_force") if self._glides else ("force", "torque")
+        return [getattr(self._base.state, name, None) for name in names]
 
 
 _SETTLED = 0.05
@@ -86,9 +89,9 @@ class DrivingPrimitive(Primitive[Any]):
         """Pose of the robot in the map, as localised."""
         return self.context.cell.group_of(self.params.base).pose(self.context.board.snapshot, self.context.board.guard)
 
-    bumped = 0.0
-    """Where the base met something, for which the last drive was broken off: 1 ahead, -1 behind; 0 for nowhere, or
-    where it only turned."""
+    bumped: tuple[float, float] | None = None
+    """In which direction from its heading the base met something, for which the last drive was broken off: (1, 0)
+    ahead, (0, 1) to the left; None for nowhere, or where it only turned."""
     seen: Sequence[str] = ()
     """Ids of unknown things that were seen in the way, for which the last drive was broken off."""
     displaced = False
@@ -137,7 +140,7 @@ class DrivingPrimitive(Primitive[Any]):
             max_angular=max_angular,
         )
         driven, deadline, bumper = -1.0, 0.0, Bumper(self.context, base)
-        self.bumped, self.seen, self.displaced = 0.0, [], False
+        self.bumped, self.seen, self.displaced = None, [], False
         while True:
             try:
                 reached, target = next(follower)
@@ -159,8 +162,9 @@ class DrivingPrimitive(Primitive[Any]):
             pushes, strange = bumper.felt(), self._in_the_way(lookout)
             has_to_stop = self._has_to_stop(place, arms)
             if pushes and not (arms is not None and arms.touched):
-                ahead = getattr(target, "linear", 1.0)
-                self.bumped = math.copysign(1.0, ahead) if abs(ahead) > _TURNING else 0.0
+                ahead, aside = getattr(target, "linear", 1.0), getattr(target, "sideways", 0.0)
+                speed = math.hypot(ahead, aside)
+                self.bumped = (ahead / speed, aside / speed) if speed > _TURNING else None
                 return driven
             if strange is not None or has_to_stop:
                 yield from self.stand(base)

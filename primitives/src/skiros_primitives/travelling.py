@@ -40,7 +40,9 @@ _REACHING = 0.20
 _BRAKING = 0.5
 """How fast bases brake at the end [m/s²], about."""
 _RETREAT = 0.35
-"""Way before its goal to which the base may come back meanwhile, when it meets something [m]."""
+"""Way before its goal to which the base may come back meanwhile, when it meets something [m], from where it came."""
+_NEAR = 0.1
+"""Way before its goal at which it is looked from where the base comes [m]."""
 _STRAIGHT = math.radians(5.0)
 """Greatest difference from the heading at the goal on that way [rad]."""
 _CHECKED = 12
@@ -86,6 +88,7 @@ class TravellingArms:
         self._location = location
         self._goal = goal
         self._start = self._pose
+        self._comes_from = -1.0, 0.0
         self._stowing: tuple[_TravellingArm, MotionPlan] | None = None
         self._reaching: _TravellingArm | None = None
         self._began = self._clear_after = math.inf
@@ -127,6 +130,7 @@ class TravellingArms:
 
     def find_clear(self, path: Path) -> Execution[None]:
         """Finds out from when on the arm that is being stowed is clear of everything where the base will be."""
+        self._comes_from = _last_direction(path, self._start, self._goal)
         if self._stowing is None:
             return
         mover, planned = self._stowing
@@ -184,7 +188,8 @@ class TravellingArms:
             planning.close()
             return Success()
         postures = np.vstack([leg.positions for leg in planned.legs])
-        way = self._goal @ Pose((-_RETREAT, 0.0, 0.0)), self._goal
+        x, y = self._comes_from
+        way = self._goal @ Pose((_RETREAT * x, _RETREAT * y, 0.0)), self._goal
         for sample in _samples(postures):
             if reaches_over(self._context, self._robot, arm.params.arm, postures[sample].tolist(), *way):
                 return Success()
@@ -227,6 +232,14 @@ class TravellingArms:
         """Returns whether the scanners see something unknown near the place."""
         strange = self.lookout.strange if self.lookout is not None else np.empty((0, 3))
         return bool((np.hypot(*(strange[:, :2] - point[:2]).T) < _STRANGE).any())
+
+
+def _last_direction(path: Path, start: Pose, goal: Pose) -> tuple[float, float]:
+    """Returns from which direction, seen from its goal, a base comes there; from behind if it does not drive far."""
+    away = ((goal.inverse() @ pose).position for _, pose in path.poses(start, way=_NEAR))
+    far = [(x, y) for x, y, _ in away if math.hypot(x, y) >= _NEAR]
+    x, y = far[-1] if far else (-1.0, 0.0)
+    return x / math.hypot(x, y), y / math.hypot(x, y)
 
 
 def _samples(postures: Array) -> list[int]:

@@ -1,12 +1,12 @@
-"""Differential-drive bases."""
+"""Bases on wheels: with a differential drive, or omnidirectional ones that drive sideways, too."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import dropwhile
-from typing import Any, ClassVar, Self
+from itertools import combinations, dropwhile
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -42,6 +42,7 @@ _YIELDING_TIME = 0.5  # [s]; the swinging of its arms does not push it away for 
 _HOLDING_GAIN = 0.2
 _WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
 _WHEELS = ("wheel_left", "wheel_right")
+_MECANUM = ("wheel_front_left", "wheel_front_right", "wheel_rear_left", "wheel_rear_right")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,8 @@ class BaseState:
         still: True when the base stands.
         force: Forward force of its drives [N]; None where it is not measured.
         torque: What they exert to turn it, counter-clockwise [N m]; None where it is not measured.
+        sideways: Speed to the left [m/s].
+        side_force: Force of its drives to the left [N].
     """
 
     pose: Pose
@@ -64,19 +67,22 @@ class BaseState:
     still: bool
     force: float | None = None
     torque: float | None = None
+    sideways: float = 0.0
+    side_force: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class BaseTwist:
-    """Speeds of a differential-drive base for one cycle: forward [m/s] and counter-clockwise [rad/s]."""
+    """Speeds of a base for one cycle: forward [m/s], counter-clockwise [rad/s], and to the left [m/s]."""
 
     linear: float
     angular: float
+    sideways: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class BaseSpec(MobileSpec[BaseState, BaseTwist]):
-    """A differential-drive base; without a target it brakes within its limits and stands.
+    """A base on wheels; without a target it brakes within its limits and stands.
 
     Attributes:
         id: Its element id.
@@ -84,6 +90,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         footprint: Corners of its outline on the floor in the base frame [m], counter-clockwise.
         max_linear, max_angular: Speed limits [m/s, rad/s].
         max_linear_acceleration, max_angular_acceleration: Acceleration and braking limits [m/s², rad/s²].
+        max_sideways: Speed limit sideways of an omnidirectional base [m/s]; 0 for a differential drive.
     """
 
     kind: ClassVar[str] = "base"
@@ -96,6 +103,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         DeviceSignal("yaw", lambda state: state.pose.yaw, "rad", "heading by odometry", "map"),
         DeviceSignal("linear", lambda state: state.linear, "m/s", "forward speed", "own"),
         DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
+        DeviceSignal("sideways", lambda state: state.sideways, "m/s", "speed to the left", "own"),
         DeviceSignal("force", lambda state: state.force or 0.0, "N", "forward force of the drives", "own"),
         DeviceSignal("torque", lambda state: state.torque or 0.0, "N m", "turning moment of the drives", "own"),
         DeviceSignal("still", lambda state: state.still, help="whether it stands"),
@@ -107,6 +115,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
     max_angular: float
     max_linear_acceleration: float
     max_angular_acceleration: float
+    max_sideways: float = 0.0
 
     @classmethod
     def read(cls, individual: Individual) -> Self:
@@ -118,6 +127,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
             individual.number("sk:maxAngular"),
             individual.number("sk:maxLinearAcceleration"),
             individual.number("sk:maxAngularAcceleration"),
+            individual.number("sk:maxSideways", 0.0),
         )
 
     def fake(self, robot: FakeRobot) -> FakeBase:
@@ -126,9 +136,11 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         def driven(state: BaseState, target: BaseTwist | None) -> BaseState:
             if target is None:
                 return BaseState(state.pose, 0.0, 0.0, True)
-            step = _step(target.linear * robot.period, target.angular * robot.period)
-            still = not (target.linear or target.angular)
-            return BaseState(state.pose @ step, target.linear, target.angular, still)
+            speeds = (target.linear, target.sideways, target.angular)
+            step = _step(*(speed * robot.period for speed in speeds))
+            return BaseState(
+                state.pose @ step, target.linear, target.angular, not any(speeds), sideways=target.sideways
+            )
 
         return FakeBase(BaseState(self.start, 0.0, 0.0, True), driven)
 
@@ -145,9 +157,22 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         return state.still
 
     def check(self, target: BaseTwist) -> None:
-        """Refuses what is no twist, or has numbers that are none."""
+        """Refuses what is no twist, has numbers that are none, or drives sideways what cannot."""
         DeviceSpec.check(self, target)
-        require_numbers(self.id, target, (target.linear, target.angular))
+        require_numbers(self.id, target, (target.linear, target.angular, target.sideways))
+        if target.sideways and not self.drives_sideways:
+            raise DeviceError(f"{self.id}: a differential drive does not drive sideways: {target}")
+
+    @property
+    def drives_sideways(self) -> bool:
+        """Whether it is an omnidirectional base."""
+        return self.max_sideways > 0.0
+
+    def direct_path(self, start: Pose, goal: Pose) -> Path:
+        """Returns the path on which it drives a short way: straight, turning meanwhile, if it is omnidirectional."""
+        if not self.drives_sideways or math.dist(start.position[:2], goal.position[:2]) < _SHORT:
+            return MobileSpec.direct_path(self, start, goal)
+        return BasePath((BaseLeg.gliding(start, goal),), goal.yaw)
 
     def follow(
         self, path: Path, pose: Callable[[], Pose], *, max_linear: float = math.inf, max_angular: float = math.inf
@@ -159,6 +184,8 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         """
         if not isinstance(path, BasePath):
             raise DeviceError(f"{self.id}: it turns and drives ahead, it cannot follow a {type(path).__name__}")
+        if any(leg.glides for leg in path.legs) and not self.drives_sideways:
+            raise DeviceError(f"{self.id}: a differential drive cannot follow a path that goes sideways")
         linear, angular = min(max_linear, self.max_linear), min(max_angular, self.max_angular)
         for number, leg in enumerate(path.legs):
             yield from self._turn(number, leg.heading(pose()), pose, angular)
@@ -174,42 +201,54 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         return True
 
     def _speeds(self, linear: float, angular: float) -> Speeds:
-        return Speeds(linear, angular, self.max_linear_acceleration, self.max_angular_acceleration)
+        sideways = min(linear, self.max_sideways)
+        return Speeds(linear, angular, self.max_linear_acceleration, self.max_angular_acceleration, sideways)
 
     def _drive(self, driven: int, curve: Curve, pose: Callable[[], Pose], speeds: Speeds) -> Follower[BaseTwist]:
-        """Follows a curve as fast as braking and steering allow, steering by heading and distance from it.
+        """Follows a curve as fast as braking and steering allow."""
+        if curve.length < _SHORT:
+            return True
+        steer = self._glided if curve.glides else self._steered
+        fastest, drift, before = speeds.along(curve), 0.0, 0.0
+        while True:
+            place = curve.nearest(pose())
+            at = place.along
+            left = curve.length - at
+            drift, before = drift + place.aside * abs(curve.rates(at)[0]) * (at - before), at
+            if left < _SHORT:
+                return True
+            if math.hypot(place.aside, place.behind) > _ASIDE:
+                return False
+            rate = min(float(np.interp(at, curve.along, fastest)), _SETTLING * left) * max(0.0, math.cos(place.turned))
+            yield driven + 1.0 - left / curve.length, steer(curve, place, rate, drift)
+
+    def _steered(self, curve: Curve, place: Place, rate: float, drift: float) -> BaseTwist:
+        """Steers by heading and distance from a curve.
 
         The feedback is that of Samson (1995) for a point on the path next to the base.
         """
-        if curve.length < _SHORT:
-            return True
-        fastest, drift, before = speeds.along(curve), 0.0, 0.0
-        while True:
-            at, behind, aside, turned = curve.nearest(pose())
-            ahead, turn = curve.rates(at)
-            left = curve.length - at
-            drift, before = drift + aside * abs(ahead) * (at - before), at
-            if left < _SHORT:
-                return True
-            if math.hypot(aside, behind) > _ASIDE:
-                return False
-            rate = min(float(np.interp(at, curve.along, fastest)), _SETTLING * left) * max(0.0, math.cos(turned))
-            speed = ahead * rate
-            offset = _STIFFNESS**2 * aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
-            steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * turned
-            twist = BaseTwist(speed + _CATCHING_UP * behind, max(-self.max_angular, min(self.max_angular, steer)))
-            yield driven + 1.0 - left / curve.length, twist
+        ahead, _, turn = curve.rates(place.along)
+        speed = ahead * rate
+        offset = _STIFFNESS**2 * place.aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
+        steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * place.turned
+        return BaseTwist(speed + _CATCHING_UP * place.behind, max(-self.max_angular, min(self.max_angular, steer)))
+
+    def _glided(self, curve: Curve, place: Place, rate: float, drift: float) -> BaseTwist:  # noqa: ARG002 - needs no sum
+        """Drives along a curve and straight back to it, whatever the heading."""
+        ahead, left, turn = (rate * one for one in curve.rates(place.along))
+        ahead, left = ahead + _PULL * place.behind, left - _PULL * place.aside
+        cos, sin = math.cos(place.turned), math.sin(place.turned)
+        return BaseTwist(ahead * cos - left * sin, turn + _PULL * place.turned, ahead * sin + left * cos)
 
     def scaled(self, target: BaseTwist, rate: float) -> BaseTwist:
         """Returns a slower twist."""
-        return BaseTwist(target.linear * rate, target.angular * rate)
+        return BaseTwist(target.linear * rate, target.angular * rate, target.sideways * rate)
 
     def mixed(self, contributions: Sequence[Contribution[BaseTwist]]) -> BaseTwist:
         """Returns the weighted mean of the twists."""
         weights = [one.weight for one in contributions]
-        twists = [(one.target.linear, one.target.angular) for one in contributions]
-        linear, angular = np.average(twists, axis=0, weights=weights).tolist()
-        return BaseTwist(linear, angular)
+        twists = [(one.target.linear, one.target.angular, one.target.sideways) for one in contributions]
+        return BaseTwist(*np.average(twists, axis=0, weights=weights).tolist())
 
     def noisy(self, state: BaseState, sigma: float, rng: np.random.Generator) -> BaseState:
         """Returns a state with noise on x and y [m] and on the heading [rad]."""
@@ -221,14 +260,18 @@ _SETTLING = 8.0
 """Speed per distance from the end of a motion [1/s]."""
 _SHARES = (0.95, 0.87)
 """Share of the limits of driving and turning that is planned with; the rest is left for corrections."""
+_GLIDING = (0.8, 0.7)
+"""The same where it glides: what it drives ahead turns into what it drives sideways as fast as it turns."""
 _BLIND = 0.4
-"""Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
+"""Greatest speed backwards and sideways, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
 _CRAWL = 0.1
 """Speed below which steering by the heading does not become weaker [m/s]."""
 _CATCHING_UP = 2.0
 """Speed per distance from its place on a curve, where that only turns [1/s]."""
+_PULL = 4.0
+"""Speed per distance from its place on a curve on which a base glides [1/s]."""
 _GRID = 0.01
 """Distance between points of a curve [m]."""
 _AHEAD = 60
@@ -239,12 +282,31 @@ _LEVER = 0.4
 """How much a turn counts as way on a curve [m/rad]."""
 
 
+class Place(NamedTuple):
+    """Where a base is on a curve.
+
+    Attributes:
+        along: How far along the curve the nearest place ahead is [m].
+        behind: How far ahead of the base that is, in its heading there [m].
+        aside: How far left of it the base is [m].
+        turned: Angle by which the base has to turn [rad].
+    """
+
+    along: float
+    behind: float
+    aside: float
+    turned: float
+
+
 class Curve:
     """The way of one leg, from where the base stands: what it drives and what it turns.
 
     Attributes:
         along: Ways from the beginning at even steps [m], shape (n,); a turn by 1 rad counts as 0.4 m.
         length: [m].
+        glides: Whether the heading is independent of the way.
+        ahead, aside, turn: How much is driven ahead (negative in reverse) and to the left, and turned [rad], for each
+            metre of the way, at these places.
 
     Args:
         leg: The leg.
@@ -256,65 +318,68 @@ class Curve:
         first, *via, last = leg.points(start)
         points = np.array([first, *dropwhile(lambda point: math.dist(point[:2], first[:2]) < _NEAR, via), last])
         points[:, 2] = np.unwrap(points[:, 2])
-        way, turn = self._driven(points)
-        steps = np.abs(way) + _LEVER * np.abs(turn)
+        self.glides = leg.glides
+        driven = self._driven(points)
+        steps = np.hypot(*driven[:2]) + _LEVER * np.abs(driven[2])
         kept = steps > 1e-9
-        points, way, turn, steps = points[np.concatenate([[True], kept])], way[kept], turn[kept], steps[kept]
+        points, driven, steps = points[np.concatenate([[True], kept])], driven[:, kept], steps[kept]
         ends = np.concatenate([[0.0], np.cumsum(steps)])
         self.length = float(ends[-1])
         self.along = np.linspace(0.0, self.length, max(2, math.ceil(self.length / grid) + 1))
         self._points = np.column_stack([np.interp(self.along, ends, column) for column in points.T])
         # Rates are known in the middle of each step: in between they change evenly.
         middles = (ends[1:] + ends[:-1]) / 2.0 if len(steps) else np.zeros(1)
-        rates = (way / steps, turn / steps) if len(steps) else (np.zeros(1), np.zeros(1))
-        self.ahead, self.turn = (np.interp(self.along, middles, rate) for rate in rates)
+        rates = driven / steps if len(steps) else np.zeros((3, 1))
+        self.ahead, self.aside, self.turn = (np.interp(self.along, middles, rate) for rate in rates)
         self._index = 0
 
-    @staticmethod
-    def _driven(points: Array) -> tuple[Array, Array]:
-        """Returns what is driven, negative in reverse [m], and turned [rad] in each step."""
+    def _driven(self, points: Array) -> Array:
+        """Returns what is driven ahead, negative in reverse, and to the left [m], and turned [rad] in each step."""
         dx, dy, turn = np.diff(points, axis=0).T
         yaw = points[:-1, 2] + turn / 2.0
-        return np.copysign(np.hypot(dx, dy), dx * np.cos(yaw) + dy * np.sin(yaw)), turn
+        ahead = dx * np.cos(yaw) + dy * np.sin(yaw)
+        if self.glides:
+            return np.stack([ahead, dy * np.cos(yaw) - dx * np.sin(yaw), turn])
+        return np.stack([np.copysign(np.hypot(dx, dy), ahead), np.zeros(len(turn)), turn])
 
-    def nearest(self, pose: Pose) -> tuple[float, float, float, float]:
-        """Returns the nearest place ahead.
-
-        Returns:
-            How far along it is [m]; how far ahead of the base it is, in its heading, and how far left of it the base is
-            [m]; and the angle by which the base has to turn [rad].
-        """
+    def nearest(self, pose: Pose) -> Place:
+        """Returns the nearest place ahead of a base."""
         x, y, _ = pose.position
         away = self._points[self._index : self._index + _AHEAD] - (x, y, pose.yaw)
         away[:, 2] = _LEVER * ((away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi)
         nearest = int(np.argmin((away**2).sum(axis=1)))
         self._index += nearest
         dx, dy, turned = away[nearest].tolist()
-        ahead, turn, yaw = (float(one[self._index]) for one in (self.ahead, self.turn, self._points[:, 2]))
+        ahead, left, turn = (float(one[self._index]) for one in (self.ahead, self.aside, self.turn))
+        yaw = float(self._points[self._index, 2])
         behind, aside = dx * math.cos(yaw) + dy * math.sin(yaw), dx * math.sin(yaw) - dy * math.cos(yaw)
-        past = -(behind * ahead + turned * _LEVER * turn) / (ahead**2 + (_LEVER * turn) ** 2)
+        past = -(behind * ahead - aside * left + turned * _LEVER * turn)
+        past /= ahead**2 + left**2 + (_LEVER * turn) ** 2
         at = float(self.along[self._index]) + past
-        return at, behind + past * ahead, aside, turned / _LEVER + past * turn
+        return Place(at, behind + past * ahead, aside - past * left, turned / _LEVER + past * turn)
 
-    def rates(self, along: float) -> tuple[float, float]:
-        """Returns how much is driven, negative in reverse, and turned [rad] for each metre of the way at a place."""
-        return float(np.interp(along, self.along, self.ahead)), float(np.interp(along, self.along, self.turn))
+    def rates(self, along: float) -> tuple[float, float, float]:
+        """Returns how much is driven ahead and to the left and turned for each metre of the way at a place."""
+        ahead, aside, turn = (float(np.interp(along, self.along, one)) for one in (self.ahead, self.aside, self.turn))
+        return ahead, aside, turn
 
 
 @dataclass(frozen=True, slots=True)
 class Speeds:
-    """Limits of speed and acceleration [m/s, rad/s, m/s², rad/s²]."""
+    """Limits of speed and acceleration [m/s, rad/s, m/s², rad/s²], and of the speed sideways [m/s]."""
 
     linear: float
     angular: float
     acceleration: float
     angular_acceleration: float
+    sideways: float = 0.0
 
     def along(self, curve: Curve, *, start: float = math.inf) -> Array:
         """Returns the greatest rates of way at the points of a curve [m/s], which ends at rest.
 
         The rates are found backwards, from where the base can still brake, and then forwards: Pham and Pham, "A new
-        approach to time-optimal path parameterization based on reachability analysis" (2018), for two velocities.
+        approach to time-optimal path parameterization based on reachability analysis" (2018), for up to three
+        velocities.
 
         Args:
             curve: The curve.
@@ -324,31 +389,35 @@ class Speeds:
         fastest = np.where(curve.ahead < 0.0, min(self.linear, _BLIND), self.linear)
         squared = np.full(len(curve.along), math.inf)
         parts = []
-        pushes = _SHARES[0] * self.acceleration, _SHARES[1] * self.angular_acceleration
-        for share, speed, limit in zip(
-            (curve.ahead, curve.turn), (fastest, _SHARES[1] * self.angular), pushes, strict=True
-        ):
+        shares = _GLIDING if curve.glides else _SHARES
+        push, swing = shares[0] * self.acceleration, shares[1] * self.angular_acceleration
+        limits = [(curve.ahead, fastest, push), (curve.turn, _SHARES[1] * self.angular, swing)]
+        if curve.glides:
+            limits.append((curve.aside, _SHARES[0] * min(self.sideways, _BLIND), push))
+        for share, speed, limit in limits:
             size = np.maximum(np.abs(share), 1e-9)  # a velocity is share * rate
             bend = np.gradient(share, step) * np.where(share < 0.0, -1.0, 1.0)
             squared = np.minimum(squared, (speed / size) ** 2)
             parts.append((size, bend, limit))
-        (ahead, jolt, push), (turn, swerve, swing) = parts
-        both = np.maximum(np.abs(jolt * turn - swerve * ahead), 1e-9)  # where one limit asks for what the other forbids
-        squared = np.minimum(squared, (push * turn + swing * ahead) / both)
+        for (one, jolt, push), (other, swerve, swing) in combinations(parts, 2):
+            both = np.maximum(np.abs(jolt * other - swerve * one), 1e-15)  # where one limit asks what the other forbids
+            squared = np.minimum(squared, (push * other + swing * one) / both)
         squared[0], squared[-1] = min(squared[0], start**2), 0.0
         found = squared.tolist()
-        gains = (2.0 * step * np.column_stack([push / ahead, jolt / ahead, swing / turn, swerve / turn])).tolist()
+        gains = [
+            list(zip((2.0 * step * limit / size).tolist(), (2.0 * step * bend / size).tolist(), strict=True))
+            for size, bend, limit in parts
+        ]
         for index in range(len(found) - 2, -1, -1):
-            driving, bending, turning, swerving = gains[index]
             after = found[index + 1]
-            if bending < 1.0:
-                found[index] = min(found[index], (after + driving) / (1.0 - bending))
-            if swerving < 1.0:
-                found[index] = min(found[index], (after + turning) / (1.0 - swerving))
-        for index, (driving, bending, turning, swerving) in enumerate(gains[:-1]):
+            for gain in gains:
+                driving, bending = gain[index]
+                if bending < 1.0:
+                    found[index] = min(found[index], (after + driving) / (1.0 - bending))
+        for index in range(len(found) - 1):
             here = found[index]
-            gain = min(driving - bending * here, turning - swerving * here)
-            found[index + 1] = max(0.0, min(found[index + 1], here + gain))
+            most = min(driving - bending * here for driving, bending in (gain[index] for gain in gains))
+            found[index + 1] = max(0.0, min(found[index + 1], here + most))
         return np.asarray(np.sqrt(found))
 
     def duration(self, curve: Curve) -> float:
@@ -374,7 +443,7 @@ class FakeBase(FakeModel[BaseState, BaseTwist]):
 
 
 class SimulatedBase:
-    """The controller of a differential-drive base, which moves along its heading only.
+    """The controller of a base on wheels; one with a differential drive moves along its heading only.
 
     Args:
         spec: The base, and where it starts.
@@ -384,14 +453,12 @@ class SimulatedBase:
     def __init__(self, spec: BaseSpec, robot: SimulatedRobot) -> None:
         self.spec = spec
         self._plane = robot.joints(BASE_JOINTS)
-        self._wheels = robot.joints(_WHEELS)
-        self._radius, self._track = _wheel_geometry(robot)
+        self._wheels = robot.joints(_MECANUM if spec.drives_sideways else _WHEELS)
+        self._rolling = _rolling(robot, self._wheels.links)
         self._x, self._y, self._z = spec.start.position
         self._yaw = spec.start.yaw
         self._period = robot.engine.period
-        self._linear = 0.0
-        self._angular = 0.0
-        self._measured = BaseTwist(0.0, 0.0)
+        self._wanted = self._measured = BaseTwist(0.0, 0.0)
         self._is_still = True
         self._resisted: BaseTwist | None = None  # how it drove when something began to slow it
         self._yields = 0.0  # for how long it still gives way [s]
@@ -414,14 +481,14 @@ class SimulatedBase:
         wanted = twist or BaseTwist(0.0, 0.0)
         self.spec.check(wanted)
         if self._resisted is None and self._is_slowed():
-            self._resisted, self._yields = BaseTwist(self._linear, self._angular), _YIELDING_TIME
+            self._resisted, self._yields = self._wanted, _YIELDING_TIME
         elif self._is_still or self._yields <= 0.0:
             self._resisted = None
         if self._resisted is not None:
             self._let_go(self._resisted)
             return
         self._limit(wanted)
-        if self._linear == 0.0 and self._angular == 0.0:
+        if self._wanted == BaseTwist(0.0, 0.0):
             self._stand()
         else:
             self._roll()
@@ -429,72 +496,89 @@ class SimulatedBase:
     def state(self) -> BaseState:
         """Reads the speeds and adds them to the odometry; to be called once per cycle."""
         (_, _, yaw), (vx, vy, angular), (fx, fy, torque) = self._plane.read()
-        linear = vx * math.cos(yaw) + vy * math.sin(yaw)
-        force = fx * math.cos(yaw) + fy * math.sin(yaw)
-        self._measured = BaseTwist(linear, angular)
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        linear, sideways = vx * cos + vy * sin, (vy * cos - vx * sin if self.spec.drives_sideways else 0.0)
+        self._measured = BaseTwist(linear, angular, sideways)
         self._is_still = still = self._standstill.update(math.hypot(vx, vy) + abs(angular))
         turn = angular * self._period
         heading = self._yaw + turn / 2.0  # the mean one of the cycle: exact for pure driving or turning
-        self._x += linear * self._period * math.cos(heading)
-        self._y += linear * self._period * math.sin(heading)
+        self._x += (linear * math.cos(heading) - sideways * math.sin(heading)) * self._period
+        self._y += (linear * math.sin(heading) + sideways * math.cos(heading)) * self._period
         self._yaw += turn
-        return BaseState(Pose.of(self._x, self._y, self._z, yaw=self._yaw), linear, angular, still, force, torque)
+        pose = Pose.of(self._x, self._y, self._z, yaw=self._yaw)
+        force, aside = fx * cos + fy * sin, fy * cos - fx * sin
+        return BaseState(pose, linear, angular, still, force, torque, sideways, aside)
 
     def _is_slowed(self) -> bool:
         """Returns whether it is slower than its drives were to make it in the last cycle, which includes braking."""
+        wanted, measured = self._wanted, self._measured
         lags = (
-            (self._linear, self._measured.linear, _SLOWED),
-            (self._angular, self._measured.angular, _HINDERED),
+            (wanted.linear, measured.linear, _SLOWED),
+            (wanted.sideways, measured.sideways, _SLOWED),
+            (wanted.angular, measured.angular, _HINDERED),
         )
         return any(math.copysign(1.0, wanted) * (wanted - measured) > most for wanted, measured, most in lags if wanted)
 
     def _let_go(self, resisted: BaseTwist) -> None:
         """Stops, and gives way to what pushes it back."""
         self._yields -= self._period
-        measured = self._measured
-        self._linear, self._angular, self._held = measured.linear, measured.angular, None
+        measured = self._wanted = self._measured
+        self._held = None
         ahead = math.copysign(measured.linear, resisted.linear * measured.linear)
+        aside = math.copysign(measured.sideways, resisted.sideways * measured.sideways)
         around = math.copysign(measured.angular, resisted.angular * measured.angular)
-        if ahead > _SLOWED or around > _HINDERED:
+        if max(ahead, aside) > _SLOWED or around > _HINDERED:
             effort = _HOLDING_FORCE
         else:
-            effort = _YIELDING_FORCE if min(ahead, around) > -_PUSHED_BACK else _DRIVE_FORCE
-        self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
+            effort = _YIELDING_FORCE if min(ahead, aside, around) > -_PUSHED_BACK else _DRIVE_FORCE
+        self._wheels.drive_velocities([0.0] * len(self._rolling), effort=_WHEEL_TORQUE)
         self._plane.drive_velocities((0.0, 0.0, 0.0), effort=effort)
 
     def _limit(self, twist: BaseTwist) -> None:
-        spec = self.spec
+        spec, before = self.spec, self._wanted
+        most, turning = spec.max_linear_acceleration * self._period, spec.max_angular_acceleration * self._period
         linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
         angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
-        self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)
-        self._angular = approach(self._angular, angular, spec.max_angular_acceleration * self._period)
+        sideways = min(max(twist.sideways, -spec.max_sideways), spec.max_sideways)
+        self._wanted = BaseTwist(
+            approach(before.linear, linear, most),
+            approach(before.angular, angular, turning),
+            approach(before.sideways, sideways, most),
+        )
 
     def _roll(self) -> None:
         self._held = None
-        yaw = self._plane.read().positions[2]
-        heading = yaw + self._angular * self._period / 2.0
-        forward = self._linear
-        self._plane.drive_velocities(
-            (forward * math.cos(heading), forward * math.sin(heading), self._angular), effort=_DRIVE_FORCE
-        )
-        turning = self._angular * self._track / 2.0
-        left, right = (forward - turning) / self._radius, (forward + turning) / self._radius
-        self._wheels.drive_velocities((left, right), effort=_WHEEL_TORQUE)
+        wanted = self._wanted
+        linear, sideways, angular = wanted.linear, wanted.sideways, wanted.angular
+        heading = self._plane.read().positions[2] + angular * self._period / 2.0
+        cos, sin = math.cos(heading), math.sin(heading)
+        velocities = linear * cos - sideways * sin, linear * sin + sideways * cos, angular
+        self._plane.drive_velocities(velocities, effort=_DRIVE_FORCE)
+        speeds = (self._rolling @ (linear, sideways, angular)).tolist()
+        self._wheels.drive_velocities(speeds, effort=_WHEEL_TORQUE)
 
     def _stand(self) -> None:
         """Holds the place where it came to rest: at zero velocity alone it would creep under the arm's motions."""
         self._held = self._held or self._plane.read().positions
-        self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
+        self._wheels.drive_velocities([0.0] * len(self._rolling), effort=_WHEEL_TORQUE)
         self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_HOLDING_FORCE] * 3)
 
 
-def _wheel_geometry(robot: SimulatedRobot) -> tuple[float, float]:
-    """Returns radius and track of the driving wheels [m]; their axle is one radius above the floor."""
+def _rolling(robot: SimulatedRobot, wheels: Sequence[str]) -> Array:
+    """Returns how fast each wheel turns per speed ahead, to the left and around; their axles are one radius up.
+
+    Wheels beside the middle roll ahead only; others are Mecanum wheels, their rollers at 45 degrees.
+    """
     base = robot.link(BASE_LINK).pose().inverse()
-    left, right = (base @ robot.link(link).pose() for link in robot.joints(_WHEELS).links)
-    return round(left.position[2], 6), round(left.distance(right), 6)
+    rows = []
+    for wheel in wheels:
+        x, y, radius = (round(float(one), 6) for one in (base @ robot.link(wheel).pose()).position)
+        slant = -math.copysign(1.0, x * y) if x and y else 0.0
+        rows.append((1.0 / radius, slant / radius, (slant * x - y) / radius))
+    return np.array(rows)
 
 
-def _step(way: float, turn: float) -> Pose:
+def _step(way: float, aside: float, turn: float) -> Pose:
     """Returns the motion of one cycle: straight along its mean heading, exact for pure driving or turning."""
-    return Pose.of(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), 0.0, yaw=turn)
+    cos, sin = math.cos(turn / 2.0), math.sin(turn / 2.0)
+    return Pose.of(way * cos - aside * sin, way * sin + aside * cos, 0.0, yaw=turn)

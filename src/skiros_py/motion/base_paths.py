@@ -1,4 +1,8 @@
-"""Paths of a differential-drive base: backwards out of a dock, around obstacles, straight ahead into the next dock."""
+"""Paths of bases: backwards out of a dock, around obstacles, straight ahead into the next dock.
+
+An omnidirectional base may also glide, in any direction from its heading: straight to its goal, or out of one dock and
+into the next on any side, turning meanwhile. It glides where that is faster.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import heapq
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
@@ -140,13 +144,18 @@ class BasePaths:
         if touched := floor.touched(request.goal, request.goal, 0.0):
             return NoMotion.because("collision", f"at its goal the base would touch {touched}")
         found = floor.ways()
+        ways = [] if isinstance(found, NoMotion) else found
+        fastest = sorted((_driven(way, floor) for way in ways), key=lambda one: one.duration)[:_BEST]
+        paths = [_tightened(one, floor) for one in fastest]
+        if request.glides:
+            glide = _glide(floor, min((one.duration for one in paths), default=math.inf))
+            paths += [glide] if glide is not None else []
+        if paths:
+            return min(paths, key=lambda one: one.duration).path
         if isinstance(found, NoMotion):
             return found
-        if not found:
-            reason = f"there is no way to the goal that is wide enough for the base{_without(request)}"
-            return NoMotion.because("not found", reason)
-        fastest = sorted((_driven(way, floor) for way in found), key=lambda one: one.duration)[:_BEST]
-        return min((_tightened(one, floor) for one in fastest), key=lambda one: one.duration).path
+        reason = f"there is no way to the goal that is wide enough for the base{_without(request)}"
+        return NoMotion.because("not found", reason)
 
 
 def _without(request: BasePathRequest) -> str:
@@ -195,7 +204,7 @@ def _tightened(best: _Driven, floor: _Floor) -> _Driven:
 
 _WORTH = 0.02
 """What a move must save [s]."""
-_TYPICAL = Speeds(0.8, 1.2, 0.5, 1.5)
+_TYPICAL = Speeds(0.8, 1.2, 0.5, 1.5, 0.4)
 """Limits of the base for which the fastest way is chosen."""
 _STOP = 0.5
 """Time that a stop takes, until the base stands [s]."""
@@ -212,6 +221,111 @@ def _duration(path: BasePath, start: Pose) -> float:
         x, y, yaw = leg.points(here)[-1]
         here = Pose.of(x, y, 0.0, yaw=yaw)
     return duration + _TYPICAL.turning(wrap_angle(path.heading - here.yaw))
+
+
+_SIDES = ((-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 0.0))
+"""Directions in which a base may glide out of a dock, or from which into it: behind, beside, ahead."""
+_EXITS = 6
+"""How many pairs of ways out of a dock and into the next are searched between, those with the shortest ways first."""
+_TURNED_IN = 0.5
+"""Way on which a base that glides turns by 1 rad, if there is so much [m]."""
+_JUMP = 0.15
+"""Greatest turn between two poses [rad]."""
+_LONG = 0.4
+"""Way between two docks from which a base that glides may look ahead there [m]."""
+_ROUNDED = (1.0, 0.5, 0.25, 0.0)
+"""Shares of the room at corners on which they are rounded: the widest are tried first."""
+_CLOSE = 0.3
+"""Within so much way of its docks a base may glide as near to things as there [m]."""
+
+
+def _glide(floor: _Floor, fastest: float) -> _Driven | None:
+    """Returns the fastest path on which an omnidirectional base turns on the way; None where none is faster.
+
+    Args:
+        floor: The free space.
+        fastest: Duration of the fastest other path [s].
+    """
+    start, goal = floor.start, floor.goal
+    legs = [BaseLeg.gliding(*_between_poses([start, goal], [start.yaw, _same_turn(start.yaw, goal.yaw)]))]
+    for way in floor.glides():
+        for share in _ROUNDED:
+            points = _rounded(way, share)
+            legs += [BaseLeg.gliding(*poses) for poses in _headings(points, start, goal, way) if _is_smooth(poses)]
+    found = [_Driven((), path, _duration(path, start)) for path in (BasePath((leg,), goal.yaw) for leg in legs)]
+    quick = sorted((one for one in found if one.duration < fastest), key=lambda one: one.duration)
+    return next((one for one in quick if floor.glides_freely(one.path)), None)
+
+
+def _same_turn(before: float, yaw: float) -> float:
+    return before + wrap_angle(yaw - before)
+
+
+def _between_poses(ends: Sequence[Pose], yaws: Sequence[float]) -> list[Pose]:
+    """Returns poses close together on a straight line, turning evenly."""
+    way = max(math.dist(_xy(ends[0]), _xy(ends[1])), abs(yaws[1] - yaws[0]) / math.pi)
+    shares = np.linspace(0.0, 1.0, max(2, math.ceil(way / _FINE) + 1))
+    (x0, y0), (x1, y1) = map(_xy, ends)
+    line = zip(np.interp(shares, (0, 1), (x0, x1)), np.interp(shares, (0, 1), (y0, y1)), strict=True)
+    headings = np.interp(_eased(shares), (0, 1), yaws)
+    return [Pose.of(float(x), float(y), 0.0, yaw=float(yaw)) for (x, y), yaw in zip(line, headings, strict=True)]
+
+
+def _eased(share: Array) -> Array:
+    """Returns a share that grows without a jump in its rate, from 0 to 1."""
+    return np.asarray(share * share * (3.0 - 2.0 * share))
+
+
+def _rounded(way: Sequence[Point], share: float) -> Array:
+    """Returns points close together on a way whose corners are parabolas, shape (n, 2)."""
+    corners = np.array(way)
+    lengths = np.hypot(*np.diff(corners, axis=0).T)
+    points = [corners[0]]
+    for number in range(1, len(corners) - 1):
+        half = share * min(lengths[number - 1] / 2.0, lengths[number] / 2.0, _WIDEST)
+        before, here, after = corners[number - 1 : number + 2]
+        first = here + (before - here) * half / lengths[number - 1]
+        last = here + (after - here) * half / lengths[number]
+        time = np.linspace(0.0, 1.0, 1 + math.ceil(2.0 * half / _FINE))[:, None]
+        points += list((1.0 - time) ** 2 * first + 2.0 * time * (1.0 - time) * here + time**2 * last)
+    points.append(corners[-1])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(np.array(points), axis=0).T))])
+    even = np.linspace(0.0, along[-1], max(2, math.ceil(along[-1] / _FINE) + 1))
+    return np.column_stack([np.interp(even, along, column) for column in np.array(points).T])
+
+
+def _headings(points: Array, start: Pose, goal: Pose, way: Sequence[Point]) -> Iterator[list[Pose]]:
+    """Yields a way with headings: turning evenly from dock to dock; or looking ahead between them.
+
+    While it leaves a dock, and while it comes to the next one, the heading is that of the dock.
+    """
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    out, into = math.dist(way[0], way[1]), along[-1] - math.dist(way[-2], way[-1])
+    if into - out < _FINE:
+        out = into = along[-1] / 2.0
+    share = np.clip((along - out) / max(into - out, _FINE), 0.0, 1.0)
+    yield _posed(points, start.yaw + wrap_angle(goal.yaw - start.yaw) * _eased(share))
+    if into - out < _LONG:
+        return
+    ahead = np.unwrap(np.arctan2(*np.gradient(points, axis=0).T[::-1]))
+    first, last = (float(np.interp(place, along, ahead)) for place in (out + _LONG / 2.0, into - _LONG / 2.0))
+    full = start.yaw + wrap_angle(first - start.yaw) - first  # whole turns
+    ahead, last = ahead + full, last + full
+    end = last + wrap_angle(goal.yaw - last)
+    room = [max(_TURNED_IN * abs(angle), _FINE) for angle in (wrap_angle(first - start.yaw), end - last)]
+    scale = min(1.0, (into - out) / sum(room))
+    left = _eased(np.clip((along - out) / (scale * room[0]), 0.0, 1.0))
+    near = _eased(np.clip((along - into) / (scale * room[1]) + 1.0, 0.0, 1.0))
+    yield _posed(points, (1.0 - left) * start.yaw + (left - near) * ahead + near * end)
+
+
+def _is_smooth(poses: Sequence[Pose]) -> bool:
+    """Returns whether a base turns little from pose to pose; one that looks ahead does not at sharp corners."""
+    return all(abs(wrap_angle(after.yaw - before.yaw)) < _JUMP for before, after in pairwise(poses))
+
+
+def _posed(points: Array, yaws: Array) -> list[Pose]:
+    return [Pose.of(x, y, 0.0, yaw=yaw) for (x, y), yaw in zip(points.tolist(), yaws.tolist(), strict=True)]
 
 
 _SHARPEST = math.radians(100.0)
@@ -360,7 +474,7 @@ class _Floor:
 
     def _gate_end(self, middle: Pose, sign: float) -> Point | None:
         """Returns where there is room to turn straight ahead of the middle of a gate, or behind it."""
-        free = self._first_free(middle, self.space, sign, 0.0, self._clearance)
+        free = self._first_free(middle, self.space, (sign, 0.0), 0.0, self._clearance)
         further = free @ Pose((sign * _RUN_UP, 0.0, 0.0)) if free is not None else None
         found = [pose for pose in (further, free) if pose is not None and self.space.free(_xy(pose))]
         return _xy(found[0]) if found else None
@@ -371,8 +485,8 @@ class _Floor:
         The first one is the nearest.
         """
         clearance = self._clearance_at(self.start)
-        nearest = self._first_free(self.start, space, -1.0, 0.0, clearance)
-        nearest = nearest or self._first_free(self.start, space, 1.0, 0.0, clearance)
+        nearest = self._first_free(self.start, space, (-1.0, 0.0), 0.0, clearance)
+        nearest = nearest or self._first_free(self.start, space, (1.0, 0.0), 0.0, clearance)
         further = (nearest @ Pose((way, 0.0, 0.0)) for way in _FURTHER) if nearest is not None else ()
         free = (out for out in further if space.free(_xy(out)) and not self.touched(self.start, out, clearance))
         return [_xy(out) for out in (nearest, *free) if out is not None]
@@ -380,11 +494,42 @@ class _Floor:
     def _entries(self, space: DiscSpace) -> list[Pose]:
         """Returns where the last straight stretch may begin: behind the goal, or at it if nothing behind is free."""
         goal, clearance = self.goal, self._clearance_at(self.goal)
-        run_up = self._first_free(goal, space, -1.0, _RUN_UP, clearance)
+        run_up = self._first_free(goal, space, (-1.0, 0.0), _RUN_UP, clearance)
         if run_up is None:
             return [goal] if space.free(_xy(goal)) else []
         entries = [run_up @ Pose((-earlier, 0.0, 0.0)) for earlier in _EARLIER]
         return [entry for entry in entries if not self.touched(goal, entry, clearance)]
+
+    def glides(self) -> list[list[Point]]:
+        """Returns ways on which an omnidirectional base may glide, out of its dock and into the next on any side."""
+        start, goal, space = self.start, self.goal, self.space
+
+        def beside(dock: Pose) -> list[Point]:
+            free = (self._first_free(dock, space, side, 0.0, self._clearance_at(dock)) for side in _SIDES)
+            return list(dict.fromkeys(_xy(pose) for pose in free if pose is not None))
+
+        def length(pair: tuple[Point, Point]) -> float:
+            return math.dist(_xy(start), pair[0]) + math.dist(*pair) + math.dist(pair[1], _xy(goal))
+
+        pairs = sorted(product(beside(start), beside(goal)), key=length)[:_EXITS]
+        ways = (space.shortest(out, entry) for out, entry in pairs)
+        whole = ([_xy(start), *way, _xy(goal)] for way in ways if way is not None)
+        return [_without_stops(way) for way in whole]
+
+    def glides_freely(self, path: BasePath) -> bool:
+        """Returns whether the robot keeps its distance from everything on a path; near docks, what it keeps there."""
+        poses = [pose for _, pose in path.poses(self.start, way=_GLIDED, turn=_GLIDED)]
+        docks = (self.start, self._clearance_at(self.start)), (self.goal, self._clearance_at(self.goal))
+        clearances = [
+            min([self._open, *(kept for dock, kept in docks if math.dist(_xy(pose), _xy(dock)) <= _CLOSE)])
+            for pose in poses
+        ]
+        least = np.minimum(clearances[1:], clearances[:-1])
+        for outline, areas in self._layers:
+            distances = shapely.distance(shapely.union_all(list(areas.values())), np.array(swept(outline, poses)))
+            if (distances <= least).any():  # the distance of nothing is not a number
+                return False
+        return True
 
     def moved(self, way: Sequence[Point], number: int, step: float) -> Iterator[list[Point]]:
         """Yields a way with one of its points moved; the first and the last but one stay in line with their docks."""
@@ -416,10 +561,10 @@ class _Floor:
             here = placed(outline, pose)
             yield from ((float(shapely.distance(area, here)), name) for name, area in areas.items())
 
-    def _first_free(self, dock: Pose, space: DiscSpace, sign: float, least: float, clearance: float) -> Pose | None:
-        """Returns the first pose straight ahead of a dock, or behind it, where there is room to turn."""
+    def _first_free(self, dock: Pose, space: DiscSpace, side: Point, least: float, clearance: float) -> Pose | None:
+        """Returns the first pose straight ahead of a dock, behind or beside it, where there is room to turn."""
         for step in range(math.ceil(least / _STEP), math.ceil(_FARTHEST / _STEP) + 1):
-            pose = dock @ Pose((sign * step * _STEP, 0.0, 0.0))
+            pose = dock @ Pose((side[0] * step * _STEP, side[1] * step * _STEP, 0.0))
             if self.touched(dock, pose, clearance):
                 return None
             if space.free(_xy(pose)):
@@ -438,6 +583,15 @@ class _Floor:
                 if shapely.dwithin(one, area, clearance):
                     return name
         return ""
+
+
+_GLIDED = 0.1
+"""Greatest distance [m] and turn [rad] between two poses at which a path is checked on which a base glides."""
+
+
+def _without_stops(way: Sequence[Point]) -> list[Point]:
+    """Returns a way without points that are no way from the one before."""
+    return [way[0], *(point for before, point in pairwise(way) if math.dist(point, before) > _NO_WAY)]
 
 
 def _xy(pose: Pose) -> Point:

@@ -351,6 +351,11 @@ class MobileSpec(LocalisingSpec[StateT, TargetT]):
         """Its own link: bodies stand on it as on the robot."""
         return BASE_LINK
 
+    @property
+    def drives_sideways(self) -> bool:
+        """Whether it is omnidirectional: paths may lead in any direction from its heading."""
+        return False
+
     def direct_path(self, start: Pose, goal: Pose) -> Path:
         """Returns the path on which it drives a short way where nothing obstructs it: a turn, a straight leg, a turn.
 

@@ -368,6 +368,7 @@ class BasePathRequest:
         obstacles: What stands on the floor.
         clearance: Distance kept from obstacles on the way [m] (less where it docks).
         device: Id of the base that shall drive, for displays; empty if unknown.
+        glides: Whether it is omnidirectional: it may drive in any direction from its heading, into its goal, too.
     """
 
     start: Pose
@@ -376,6 +377,7 @@ class BasePathRequest:
     obstacles: tuple[Obstacle, ...]
     clearance: float = 0.08
     device: str = ""
+    glides: bool = False
 
 
 class BasePlanner(Protocol):

@@ -37,6 +37,8 @@ class Layer:
 
 _WAY, _TURN = 0.5, math.radians(10.0)
 """Greatest distance [m] and turn [rad] between two poses of a path, unless more are wanted."""
+_GLIDED = 0.1
+"""Greatest distance between two poses where the base glides [m]: it goes around corners without turning."""
 _CORNERS = 24
 """Of the polygon around a circle."""
 
@@ -69,12 +71,20 @@ class BaseLeg:
         backwards: Whether a straight leg is driven in reverse.
         via: Points on the way [m] and the heading at each [rad], close together on a smooth curve; none for a straight
             leg. Where the heading is against the way, the base reverses.
+        glides: Whether an omnidirectional base drives it, in any direction from its heading.
     """
 
     x: float
     y: float
     backwards: bool = False
     via: tuple[tuple[float, float, float], ...] = ()
+    glides: bool = False
+
+    @classmethod
+    def gliding(cls, *poses: Pose) -> BaseLeg:
+        """Returns a leg through poses in the map, which turns on the way; the first is where it is begun."""
+        via = tuple((*pose.position[:2], pose.yaw) for pose in poses)
+        return cls(*via[-1][:2], via=via, glides=True)
 
     def heading(self, start: Pose) -> float:
         """Returns the heading in which it is begun from a pose [rad]."""
@@ -104,10 +114,11 @@ class BasePath:
         for number, leg in enumerate(self.legs):
             poses = [Pose.of(x, y, start.position[2], yaw=yaw) for x, y, yaw in leg.points(here)]
             yield from ((float(number), pose) for pose in _between(here, poses[0], way, turn))
+            most = min(way, _GLIDED) if leg.glides else way
             stops = [
                 stop
-                for before, there in pairwise(_thinned(poses, way, turn))
-                for stop in _between(before, there, way, turn)
+                for before, there in pairwise(_thinned(poses, most, turn))
+                for stop in _between(before, there, most, turn)
             ]
             yield from ((number + step / len(stops), pose) for step, pose in enumerate(stops, start=1))
             here = stops[-1]

@@ -214,6 +214,8 @@ MAX_LINEAR: Final = PropertyName("sk:maxLinear")
 """Maximum linear speed [m/s]."""
 MAX_LINEAR_ACCELERATION: Final = PropertyName("sk:maxLinearAcceleration")
 """Maximum linear acceleration and braking [m/s²]."""
+MAX_SIDEWAYS: Final = PropertyName("sk:maxSideways")
+"""Maximum speed sideways of an omnidirectional base [m/s]; left out for a differential drive."""
 MIN_DEPTH: Final = PropertyName("sk:minDepth")
 """Minimum measured depth [m]."""
 MISSED_LOOKS: Final = PropertyName("sk:missedLooks")

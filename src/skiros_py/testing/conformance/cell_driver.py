@@ -177,6 +177,18 @@ class CellDriverContract(ABC):
             assert turned.angular == pytest.approx(base.max_angular / 4.0, abs=self.speed_tolerance * base.max_angular)
             assert (stood.pose.inverse() @ turned.pose).yaw > 0.0
 
+    def test_a_base_drives_sideways_as_told_if_it_can(self, cell: CellDriver) -> None:
+        for base in self._each(BaseSpec):
+            if not base.drives_sideways:
+                pytest.skip("it has a differential drive")
+            start = cell.read().state(base.id, BaseState).pose
+            aside = self._driven(cell, base, BaseTwist(0.0, 0.0, base.max_sideways / 4.0), 1.0)
+
+            slack = self.speed_tolerance * base.max_sideways
+            assert aside.sideways == pytest.approx(base.max_sideways / 4.0, abs=slack)
+            assert (start.inverse() @ aside.pose).position[1] > 0.0
+            assert aside.linear == pytest.approx(0.0, abs=self.speed_tolerance * base.max_linear)
+
     def test_a_base_without_a_command_brakes_and_stands(self, cell: CellDriver) -> None:
         for base in self._each(BaseSpec):
             self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
