@@ -182,12 +182,16 @@ class Plan:
         after: For each step the indices of the steps that must have ended before it starts; empty if they run
             strictly one after the other.
         starts: Planned start time of each step, from the start of the plan [s]; empty if unknown.
+        seconds: Expected time until all have succeeded [s]; None if unknown.
+        chance: The probability that all succeed at the first attempt; None if nothing was learned.
     """
 
     steps: tuple[Step, ...]
     groundings: tuple[Grounding, ...] = field(default=(), compare=False, repr=False)
     after: tuple[frozenset[int], ...] = ()
     starts: tuple[float, ...] = field(default=(), compare=False)
+    seconds: float | None = field(default=None, compare=False)
+    chance: float | None = field(default=None, compare=False)
 
     @property
     def order(self) -> tuple[frozenset[int], ...]:
@@ -205,6 +209,8 @@ class Plan:
             "calls": [{"skill": step.skill, "arguments": dict(step.arguments)} for step in self.steps],
             "after": [sorted(indices) for indices in self.order],
             "starts": list(self.starts),
+            "seconds": self.seconds,
+            "chance": self.chance,
         }
 
     def __str__(self) -> str:

@@ -14,7 +14,7 @@ from skiros_py.planning.domain.numbers import endless_changes, number_needs
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, write_with_costs
 from skiros_py.planning.domain.temporal import write_temporal
-from skiros_py.planning.durations import timed
+from skiros_py.planning.experience import Experience, timed
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.explaining import explain
@@ -170,6 +170,7 @@ class SolverLoop:
         stopped: Returns True once planning is cancelled.
         hurry: Wall time limit of a planner for an incomplete task, or one whose numbers have no limits [s].
             Third-party planners support no other kind of limit; whether there is a plan does not depend on it.
+        experience: What robots learned from their runs; read from the world if omitted.
         notes: Planner failures so far.
     """
 
@@ -181,7 +182,13 @@ class SolverLoop:
     options: PlanningOptions = USUAL
     stopped: Callable[[], bool] = lambda: False
     hurry: float = 10.0
+    experience: Experience | None = None
     notes: list[str] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        """Reads what was learned, once for all forms of the task."""
+        if self.experience is None:
+            self.experience = Experience(self.view)
 
     @cached_property
     def task(self) -> PlanningTask:
@@ -254,7 +261,7 @@ class SolverLoop:
 
     def _task(self, width: int | None) -> PlanningTask:
         task = self.task if width is None else build_task(self.view, self.capabilities, self.goal, width=width)
-        return in_sequence(timed(task), self.reached)
+        return in_sequence(timed(task, self.experience), self.reached)
 
     def _shared_out(self) -> Found | None:
         """Plans for several robots by parts of the goal; None if that does not lead to a plan."""

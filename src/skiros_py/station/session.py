@@ -36,7 +36,7 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import ConditionReport, GoalReport
-from skiros_py.tasks.task_manager import TaskManager, learn_durations
+from skiros_py.tasks.task_manager import TaskManager, learn_costs
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
@@ -184,7 +184,7 @@ class Session(AbstractContextManager["Session"]):
             absent=self.catalogue.absent,
         )
         if not self.options.fake:
-            learn_durations(self.tasks, self.runtime)
+            learn_costs(self.tasks, self.runtime)
 
     def _read_cell(self) -> CellSpec:
         """Reads the cell; of a world that people have changed since it began, without what they have left unfinished.

@@ -8,14 +8,14 @@ from itertools import count
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
 from skiros_py.messages import Message, joined
-from skiros_py.planning.durations import observe
+from skiros_py.planning.experience import observe
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.requests import PlanningHost, PlanRequest
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
@@ -219,13 +219,15 @@ class TaskManager:
         return TaskHandle(name, goal, policy or self._policy, trace)
 
 
-def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
-    """Learns skill durations from every successful step; for real and simulated cells, not for fake devices."""
+def learn_costs(tasks: TaskManager, runtime: Runtime) -> None:
+    """Learns from how steps end; for real and simulated cells, not for fake devices."""
 
     def learn(run: StepRun, outcome: Outcome) -> None:
-        if not isinstance(outcome, Failure):
-            now = runtime.context.board.now
-            observe(runtime.world, run.step.skill, run.agent, now - run.start)
+        skill = tasks.skills.get(run.step.skill)
+        is_failed = isinstance(outcome, Failure)
+        if skill is not None and not (is_failed and outcome.code == CANCELLED):
+            seconds = runtime.context.board.now - run.start
+            observe(runtime.world, skill, run.agent, run.step.arguments, seconds, is_success=not is_failed)
 
     def follow(task: TaskHandle) -> None:
         task.after_step(learn)

@@ -35,7 +35,9 @@ FURNITURE: Final = ClassName("sk:Furniture")
 GRIPPER: Final = ClassName("sk:Gripper")
 """A parallel gripper."""
 LEARNED_DURATION: Final = ClassName("sk:LearnedDuration")
-"""Durations (sk:runTimes) of a skill (sk:ofSkill) executed by agents of a class (sk:appliesTo)."""
+"""Durations (sk:runTimes, sk:failedTimes) and counts (sk:successes, sk:failures) of a skill (sk:ofSkill) executed by
+a robot (sk:ofRobot) with an agent of a class (sk:appliesTo), at a place (sk:atPlace), with parts of a class
+(sk:partType)."""
 LOCALISER: Final = ClassName("sk:Localiser")
 """Estimates the pose of its robot in the map."""
 LOCATION: Final = ClassName("sk:Location")
@@ -154,12 +156,18 @@ ADDRESS: Final = PropertyName("sk:address")
 """Address of the hardware: a host, a port, a serial number, as the driver expects it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
 """The class to which a learned concept applies."""
+AT_PLACE: Final = PropertyName("sk:atPlace")
+"""Id of the place where the skill was done."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise at half a metre [m]."""
 DRIVER: Final = PropertyName("sk:driver")
 """Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 """Pose of a robot base for working here, in this element's own frame [m, rad]."""
+FAILED_TIMES: Final = PropertyName("sk:failedTimes")
+"""Durations of the last failed runs, newest last [s]."""
+FAILURES: Final = PropertyName("sk:failures")
+"""Number of failed runs; earlier ones count less."""
 FOOTPRINT: Final = PropertyName("sk:footprint")
 """Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that moves the robot,
 or of a robot without such a device [m]."""
@@ -226,8 +234,12 @@ MODEL: Final = PropertyName("sk:model")
 """Name of the model of a robot, or of a device without a robot."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
 """The data that a person needs to start the module: help, parameters, implementations."""
+OF_ROBOT: Final = PropertyName("sk:ofRobot")
+"""Id of the robot that was observed."""
 OF_SKILL: Final = PropertyName("sk:ofSkill")
 """Name of the skill to which a learned concept refers."""
+PART_TYPE: Final = PropertyName("sk:partType")
+"""Class of the part with which the skill was done."""
 PLACING_POSE: Final = PropertyName("sk:placingPose")
 """Pose, in this element's frame, at which a thing placed into it is released [m, rad]."""
 POSE: Final = PropertyName("sk:pose")
@@ -248,6 +260,8 @@ STOCK_COUNT: Final = PropertyName("sk:stockCount")
 """The number of elements without individuals of their own."""
 STOCK_OF: Final = PropertyName("sk:stockOf")
 """The class of the things."""
+SUCCESSES: Final = PropertyName("sk:successes")
+"""Number of successful runs; earlier ones count less."""
 SUPPORT_HALF_EXTENTS: Final = PropertyName("sk:supportHalfExtents")
 """Half extents x y of the flat area on which parts may lie [m]."""
 SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")

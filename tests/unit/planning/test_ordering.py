@@ -11,7 +11,7 @@ from support.planning import tiny_task
 
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.domain.pddl import NameMap, PddlTexts, write_pddl
-from skiros_py.planning.durations import timed
+from skiros_py.planning.experience import timed
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import grounded
 from skiros_py.planning.problem.task import PlanningTask

@@ -9,7 +9,7 @@ from unified_planning.io import PDDLReader
 
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.domain.temporal import write_temporal
-from skiros_py.planning.durations import timed
+from skiros_py.planning.experience import timed
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.kairos import Kairos

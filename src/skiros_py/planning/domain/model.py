@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
 from skiros_py.skills.skill import SkillDescription
 
@@ -41,6 +42,30 @@ class NoneSuch:
 
 
 @dataclass(frozen=True, slots=True)
+class Estimate:
+    """What to expect of a skill.
+
+    Attributes:
+        seconds: Expected time until it succeeds, with the failed attempts before [s].
+        chance: The probability that an attempt succeeds.
+    """
+
+    seconds: float
+    chance: float
+
+
+class ActionCosts(Protocol):
+    """What was learned about the costs of an action."""
+
+    @property
+    def about(self) -> tuple[str, ...]:
+        """The variables that they may depend on."""
+
+    def __call__(self, binding: Mapping[str, str]) -> Estimate | None:
+        """Estimates the costs for elements; None if the duration is unknown."""
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
     """An action: STRIPS, plus :attr:`none` if a skill author's condition requires it.
 
@@ -55,6 +80,7 @@ class Action:
         duration: How long it takes [s]; None if unknown, and for bookkeeping.
         changes: What it does to numbers (:func:`~skiros_py.planning.domain.numbers.change_atom`). What they may make
             true is among :attr:`add`, as far as a number can get: an over-approximation, which is never written.
+        costs: What was learned about it, for the elements it is applied to; None if nothing.
     """
 
     name: str
@@ -68,6 +94,12 @@ class Action:
     none: tuple[NoneSuch, ...] = ()
     duration: float | None = None
     changes: tuple[Atom, ...] = ()
+    costs: ActionCosts | None = field(default=None, compare=False, repr=False)
+
+    def seconds(self, binding: Mapping[str, str]) -> float | None:
+        """Returns how long it is expected to take with these elements [s]; None if unknown."""
+        estimate = None if self.costs is None else self.costs(binding)
+        return self.duration if estimate is None else estimate.seconds
 
     @property
     def variables(self) -> tuple[Variable, ...]:

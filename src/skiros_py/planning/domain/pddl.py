@@ -21,6 +21,8 @@ _STRUCTURE = frozenset({"object", "define", "domain", "problem"})
 _NUMBERS = frozenset({"number", "total-cost", "total-time", "increase", "decrease", "assign", "minimize", "maximize"})
 RESERVED = _LOGIC | _STRUCTURE | _NUMBERS
 """Words of PDDL itself; variables may use these words."""
+LEARNED_COST = "learned-cost"
+"""How the functions begin that say what was learned: ``(learned-cost-pick arm_1 box_a ball_1)``."""
 
 
 class NameMap:
@@ -242,6 +244,15 @@ class PddlWriter:
                 amount = self._function(by, arguments[-1], names) if isinstance(by, str) else _digits(by)
                 found.append((word, f"({word} {self._function(property_, arguments[0], names)} {amount})"))
         return found
+
+    def applied(self, function: str, arguments: Sequence[str], variables: NameMap | None = None) -> str:
+        """Returns a function, by its PDDL name, of variables or elements."""
+        names = NameMap() if variables is None else variables
+        return f"({' '.join([function, *(self._argument(argument, names) for argument in arguments)])})"
+
+    def columns(self, arguments: Sequence[str]) -> str:
+        """Returns the arguments in the declaration of a function of any objects."""
+        return f"{' '.join(f'?x{number}' for number, _ in enumerate(arguments, start=1))} - object"
 
     def _function(self, property_: str, argument: str, variables: NameMap) -> str:
         return f"({self.other_names.pddl(property_)} {self._argument(argument, variables)})"

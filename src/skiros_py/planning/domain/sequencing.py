@@ -13,7 +13,9 @@ from itertools import count, product
 from skiros_py.planning.domain.goals import FINISHED
 from skiros_py.planning.domain.literals import Conjunction, joined
 from skiros_py.planning.domain.model import Action, Atom, Variable
-from skiros_py.planning.domain.pddl import NameMap, PddlTexts, PddlWriter
+from skiros_py.planning.domain.pddl import LEARNED_COST, NameMap, PddlTexts, PddlWriter
+from skiros_py.planning.experience import cost_table
+from skiros_py.planning.problem.reachability import USUAL
 from skiros_py.planning.problem.task import PlanningTask, extended
 from skiros_py.planning.robots.allocation import moved_by
 from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_of_goal
@@ -208,43 +210,113 @@ def _turns(
 
 
 def write_with_costs(task: PlanningTask, *, name: str) -> PddlTexts:
-    """Writes a task with costs for moving through the numbers, to be minimized; a classical one if there are none.
+    """Writes a task with costs to be minimized; a classical one if there are none.
+
+    Costs are those of moving through the sequence numbers; without numbers, those that were learned.
 
     Args:
         task: The task in sequence.
         name: Name of the problem (made a PDDL name).
     """
-    is_numbered = any(_leg(action) for action in task.domain.actions)
-    writer = _CostWriter(task, name) if is_numbered else PddlWriter(task.domain, task.problem, name)
+    if any(_leg(action) for action in task.domain.actions):
+        return _SequenceWriter(task, name).texts()
+    tables = {action.name: table for action in task.domain.actions if (table := cost_table(task, action))}
+    writer = _LearnedCostWriter(task, name, tables) if tables else PddlWriter(task.domain, task.problem, name)
     return writer.texts()
 
 
 class _CostWriter(PddlWriter):
     metric = "minimize (total-cost)"
 
+    def requirements(self) -> tuple[str, ...]:
+        return (*super().requirements(), ":action-costs")
+
+    def functions(self) -> list[str]:
+        return ["(total-cost) - number", *super().functions()]
+
+    def init(self) -> list[str]:
+        return ["(= (total-cost) 0)", *super().init()]
+
+    def effects(self, action: Action, names: NameMap) -> list[str]:
+        cost = self.cost(action, names)
+        return super().effects(action, names) + ([f"(increase (total-cost) {cost})"] if cost else [])
+
+    def cost(self, action: Action, names: NameMap) -> str:
+        """Returns what an action costs; empty for nothing."""
+        raise NotImplementedError
+
+
+class _SequenceWriter(_CostWriter):
     def __init__(self, task: PlanningTask, name: str) -> None:
         super().__init__(task.domain, task.problem, name)
         self._view = task.view
         self._cost = self.other_names.pddl("sequence-cost")
 
-    def requirements(self) -> tuple[str, ...]:
-        return (*super().requirements(), ":action-costs")
-
     def functions(self) -> list[str]:
-        return ["(total-cost) - number", f"({self._cost} ?x1 ?x2 - object) - number", *super().functions()]
+        total, *others = super().functions()
+        return [total, f"({self._cost} ?x1 ?x2 - object) - number", *others]
 
     def init(self) -> list[str]:
         places = sorted({o for atom in self.problem.init if atom.predicate == IN_ORDER for o in atom.arguments})
         numbers = {self.objects.pddl(place): sequence_number(self._view, place) or 0 for place in places}
         pairs = ((a, b, one, other) for a, one in numbers.items() for b, other in numbers.items() if one <= other)
         values = (f"(= ({self._cost} {a} {b}) {other - one + 1})" for a, b, one, other in pairs)
-        return ["(= (total-cost) 0)", *values, *super().init()]
+        total, *others = super().init()
+        return [total, *values, *others]
 
-    def effects(self, action: Action, names: NameMap) -> list[str]:
+    def cost(self, action: Action, names: NameMap) -> str:
         leg = " ".join(f"?{names.pddl(place)}" for place in _leg(action))
-        return super().effects(action, names) + ([f"(increase (total-cost) ({self._cost} {leg}))"] if leg else [])
+        return f"({self._cost} {leg})" if leg else ""
 
 
 def _leg(action: Action) -> tuple[str, ...]:
     """Returns the numbered places from and to which an action moves; none if it does not."""
     return next((a.arguments for a in action.pre if a.predicate == IN_ORDER), ())
+
+
+_UNIT = 0.1
+"""Unit of the costs, which are integers [s]."""
+
+
+class _LearnedCostWriter(_CostWriter):
+    """Writes expected times as costs, in tenths of a second.
+
+    Args:
+        task: The task.
+        name: Name of the problem.
+        tables: Costs of the actions that depend on elements, by action name: the variables and their values [s].
+    """
+
+    def __init__(
+        self, task: PlanningTask, name: str, tables: Mapping[str, tuple[tuple[str, ...], Mapping[tuple[str, ...], float]]]
+    ) -> None:
+        super().__init__(task.domain, task.problem, name)
+        self._tables = tables
+        self._names = {action: self.other_names.pddl(f"{LEARNED_COST}-{action}") for action in tables}
+
+    def functions(self) -> list[str]:
+        total, *others = super().functions()
+        own = []
+        for action, (variables, _) in self._tables.items():
+            own.append(f"({self._names[action]} {self.columns(variables)}) - number")
+        return [total, *own, *others]
+
+    def init(self) -> list[str]:
+        values = []
+        for action, (_, costs) in self._tables.items():
+            for elements, seconds in costs.items():
+                values.append(f"(= {self.applied(self._names[action], elements)} {_rounded(seconds)})")
+        total, *others = super().init()
+        return [total, *values, *others]
+
+    def cost(self, action: Action, names: NameMap) -> str:
+        if action.skill is None:
+            return ""
+        if action.name not in self._tables:
+            known = action.duration if action.costs is None else action.seconds({})
+            return str(_rounded(USUAL if known is None else known))
+        return self.applied(self._names[action.name], self._tables[action.name][0], names)
+
+
+def _rounded(seconds: float) -> int:
+    return max(1, round(seconds / _UNIT))

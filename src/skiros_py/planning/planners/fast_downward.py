@@ -21,8 +21,16 @@ from pathlib import Path
 from threading import Lock
 
 from skiros_py.errors import PlanningError
+from skiros_py.planning.domain.pddl import LEARNED_COST
 from skiros_py.planning.planners.planner import Answer, Unsolvable
-from skiros_py.planning.planners.program_planner import CLASSICAL, DOMAIN, PROBLEM, ProgramPlanner, read_plan_file
+from skiros_py.planning.planners.program_planner import (
+    CLASSICAL,
+    DOMAIN,
+    PROBLEM,
+    ProgramPlanner,
+    last_plan_file,
+    read_plan_file,
+)
 from skiros_py.processes import end_connected, is_stopped, start_connected
 from skiros_py.programs import Ended, Limits, Running, kill_group, resource_limits, wait_for_group
 
@@ -193,6 +201,10 @@ LAMA_FIRST = (
 )
 """What the driver calls lama-first: the first search of LAMA (Richter & Westphal 2010); it ends at the first plan."""
 
+_CHEAP = "let(hff, eval_modify_costs(ff(), cost_type=plusone), lazy_wastar([hff], preferred=[hff], w={weight}))"
+LAMA_CHEAP = f"iterated([{', '.join([LAMA_FIRST, *(_CHEAP.format(weight=w) for w in (5, 2))])}], pass_bound=false)"
+"""Three searches, each of which ends at its first plan: the cheapest of them counts."""
+
 _TRANSLATOR = "fast_downward.translate"
 _LOADED = tuple(f"{_TRANSLATOR}.{module}" for module in ("main", "options", "pddl_parser"))
 
@@ -247,7 +259,9 @@ class FastDownward(ProgramPlanner):
 
     def start(self, folder: Path, environment: Mapping[str, str]) -> Running:
         """Starts translator and search."""
-        search = (str(self._programs / "downward"), "--search", self._search, "--internal-plan-file", "plan")
+        has_costs = f"({LEARNED_COST}" in (folder / DOMAIN).read_text(encoding="utf-8")
+        chosen = LAMA_CHEAP if has_costs and self._search == LAMA_FIRST else self._search
+        search = (str(self._programs / "downward"), "--search", chosen, "--internal-plan-file", "plan")
         run = Run(_TRANSLATOR, (DOMAIN, PROBLEM, "--sas-file", "task.sas"), search, "task.sas")
         return self._resident.start(run, folder, self.limits, environment)
 
@@ -268,4 +282,4 @@ class FastDownward(ProgramPlanner):
             return Unsolvable("its search came to an end without a plan", proven=False)
         if ended.code != _PLAN_FOUND:
             raise self.failed(ended, out_of_time=_OUT_OF_TIME, out_of_memory=_OUT_OF_MEMORY)
-        return read_plan_file(self.title, folder / "plan")
+        return read_plan_file(self.title, last_plan_file(folder, "plan*") or folder / "plan")

@@ -117,8 +117,8 @@ class Relaxation:
             self._extend(action, rest, binding, self.cost[fact] + self._duration(action))
 
     def _duration(self, action: Action) -> float:
-        if not self._timed or action.skill is None:
-            return 0.0
+        if not self._timed or action.skill is None or action.costs is not None:
+            return 0.0  # learned costs depend on the elements: they are added as soon as these are known
         return USUAL if action.duration is None else action.duration
 
     def _extend(self, action: Action, rest: Sequence[Atom], binding: dict[str, str], cost: float) -> None:
@@ -130,6 +130,9 @@ class Relaxation:
         if all(self._best.get(atom, inf) <= cost for atom in adds):
             return
         if not rest:
+            if self._timed and action.costs is not None:
+                known = action.seconds(binding)
+                cost += USUAL if known is None else known
             for atom in adds:
                 self._offer_all(atom, action, cost)
             return

@@ -10,6 +10,7 @@ import heapq
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from graphlib import TopologicalSorter
+from math import prod
 
 from skiros_py.planning.domain.model import Atom, Grounding, NoneSuch
 from skiros_py.planning.domain.numbers import change_of, number_compared
@@ -24,7 +25,7 @@ Order = tuple[frozenset[int], ...]
 
 
 def order(task: PlanningTask, plan: Plan) -> Plan:
-    """Returns a plan with its partial order, and with start times if all step durations are known.
+    """Returns a plan with its partial order, its chance, and with times if all step durations are known.
 
     It stays strictly sequential if no other order can be derived.
 
@@ -41,9 +42,15 @@ def order(task: PlanningTask, plan: Plan) -> Plan:
     other = tuple(plan.steps[index] for index in contrary(after))
     if other != plan.steps and replay(task.view, other, task.conditions, task.skills) is not None:
         return plan
-    durations = [one.action.duration for one in plan.groundings if one.action.skill is not None]
+    durations = [one.action.seconds(one.binding) for one in plan.groundings if one.action.skill is not None]
     known = [seconds for seconds in durations if seconds is not None]
-    return replace(plan, after=after, starts=schedule(after, known) if len(known) == len(durations) else ())
+    learned = [one.action.costs(one.binding) for one in plan.groundings if one.action.costs is not None]
+    chance = prod(one.chance for one in learned if one is not None) if any(learned) else None
+    if len(known) < len(durations):
+        return replace(plan, after=after, chance=chance)
+    starts = schedule(after, known)
+    seconds = max((start + lasts for start, lasts in zip(starts, known, strict=True)), default=0.0)
+    return replace(plan, after=after, starts=starts, seconds=seconds, chance=chance)
 
 
 def partial_order(plan: Sequence[Grounding], skills: Mapping[str, SkillDescription]) -> Order:

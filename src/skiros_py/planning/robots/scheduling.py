@@ -123,7 +123,8 @@ class Schedule:
             if taken is None:
                 return False
             effect = Effect.of(taken, self._skills)
-            seconds = USUAL if taken.action.duration is None else taken.action.duration
+            known = taken.action.seconds(taken.binding)
+            seconds = USUAL if known is None else known
             found = replace(effect, reads=self._state.changing(effect.reads)), seconds
             if not effect.none:
                 operation.effects.append(found)
