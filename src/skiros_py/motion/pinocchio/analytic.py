@@ -41,12 +41,13 @@ class AnalyticKinematics(InverseKinematics):
 
     Args:
         solver: ssik's solver for the arm.
+        chain: The arm.
         numeric: Searches from seeds, and where there is no solution in closed form.
     """
 
-    def __init__(self, solver: Solver, numeric: InverseKinematics) -> None:
+    def __init__(self, solver: Solver, chain: RevoluteChain, numeric: InverseKinematics) -> None:
         self._solve_all: Callable[..., tuple[Array, Array, Array]] = solver.solve
-        self._numeric = numeric
+        self._chain, self._numeric = chain, numeric
 
     def solve(
         self,
@@ -78,11 +79,12 @@ class AnalyticKinematics(InverseKinematics):
     ) -> list[Array]:
         """Returns distinct solutions, the one nearest to a reference first: at most a number, spread over all."""
         postures = self.all_branches(target)
-        postures = postures[((postures >= limits[0]) & (postures <= limits[1])).all(axis=1)]
+        if limits[0] is not self._chain.lower or limits[1] is not self._chain.upper:
+            postures = postures[((postures >= limits[0]) & (postures <= limits[1])).all(axis=1)]
         if not len(postures):
             return self._numeric.branches(target, reference, limits, rng, count=count, restarts=restarts)
-        away = ((postures - reference) ** 2).sum(axis=1)
-        postures = postures[away.argsort(kind="stable")]
+        steps = postures - reference
+        postures = postures[np.einsum("ij,ij->i", steps, steps).argsort(kind="stable")]
         return list(postures if len(postures) <= count else postures[_spread(postures, count)])
 
 
@@ -120,7 +122,7 @@ def analytic_kinematics(
         record = _record(chain)
         if path is not None:
             _write(path, record)
-    return AnalyticKinematics(Solver(record), numeric) if record.family else None
+    return AnalyticKinematics(Solver(record), chain, numeric) if record.family else None
 
 
 def _record(chain: RevoluteChain) -> _Record:
