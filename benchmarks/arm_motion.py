@@ -6,16 +6,19 @@ Peers come with the dependency group ``bench``; figures of one that is not insta
 
 from __future__ import annotations
 
+import re
 import sys
 from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from statistics import median, pstdev
+from tempfile import TemporaryDirectory
 from time import process_time
 
 import numpy as np
 import pinocchio as pin
-from arm_peers import installed, ompl_rrt_connect, trac_ik
+from arm_peers import installed, ompl_rrt_connect, ssik_branches, trac_ik
 from shelves import GAP, MARGIN, Judge, Problem, problems
 from table import Figure, duration, finish
 
@@ -26,13 +29,24 @@ from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.motion.sampling import Est, Prm, RrtConnect
+from skiros_py.plugins.loading import find_plugin
 from skiros_py.ports.adapters import GivenPorts, InstalledPorts
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.kinematics import InverseKinematics
+from skiros_py.ports.kinematics import GROUP, InverseKinematics
 from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, Obstacle, PoseMove, SamplingPlanner, SearchTask
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.station.worlds import open_world
 from skiros_py.testing.conformance.cells import small_cell
+from skiros_py.world.vocabulary import ROBOT
 
 _RESTARTS = 50
+_ALL = 10_000  # more solutions than any pose has
+_SCENE = """@prefix scene: <https://w3id.org/skiros-py/scene#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+<https://w3id.org/skiros-py/scenes/alone> a owl:Ontology ; owl:imports <https://w3id.org/skiros-py/robots/{}> .
+scene:floor_1 a sk:Floor . scene:unknown_location a sk:UnknownLocation .
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +99,7 @@ def solve(motion: ArmMotion, watched: Watched, judge: Judge, problem: Problem, p
     """Plans the motion of one problem, and judges it."""
     watched.forget()
     started = process_time()
-    answer = motion.plan(problem.request("arm"))
+    answer = motion.plan(problem.request(judge.arm))
     seconds = process_time() - started
     first = None if watched.found is None else watched.found - started
     planner, touched = "", ""
@@ -114,7 +128,8 @@ def shelf_figures(robot: RobotSpec, seeds: range, ompl_seconds: float) -> list[F
         figures.append(Figure(f"  by {way or 'nothing'}", f"{count} of {len(solved)}"))
     for kind in ("joint", "pose"):
         times = [one.seconds for one in solved if one.problem.kind == kind]
-        figures.append(Figure(f"  whole plan, {kind} to {kind}, median", duration(median(times))))
+        beside = _numeric_plans(robot, drawn) if kind == "pose" else ""
+        figures.append(Figure(f"  whole plan, {kind} to {kind}, median", duration(median(times)), compared=beside))
     searched = [one for one in solved if one.problem.kind == "joint" and one.first is not None]
     first = median(one.first for one in searched if one.first is not None)
     what = "  first path, joint to joint, no reflex, median"
@@ -125,14 +140,34 @@ def shelf_figures(robot: RobotSpec, seeds: range, ompl_seconds: float) -> list[F
     return [*figures, Figure(what, said, "<= 1.5 x", first <= 1.5 * theirs, beside)]
 
 
-def _ports(robot: RobotSpec, planner: SamplingPlanner) -> GivenPorts:
-    solver = InstalledPorts((robot,)).port(InverseKinematics, "arm")
-    return GivenPorts({InverseKinematics: solver, SamplingPlanner: planner})
+def _numeric_plans(robot: RobotSpec, drawn: Sequence[Problem]) -> str:
+    """Returns how long plans to poses take with the numeric inverse kinematics; nothing where that is used anyway."""
+    numeric = IkSolver(arm_model(robot, robot.of(ArmSpec)[0]))
+    if isinstance(_solver(robot), IkSolver):
+        return ""
+    motion, times, found = ArmMotion(robot, _ports(robot, _planner(robot, "rrt-connect"), numeric)), [], 0
+    for problem in (problem for problem in drawn if problem.kind == "pose"):
+        started = process_time()
+        found += isinstance(motion.plan(problem.request(_arm(robot))), MotionPlan)
+        times.append(process_time() - started)
+    return f"with numeric inverse kinematics {duration(median(times))}, {found} of {len(times)}"
+
+
+def _ports(robot: RobotSpec, planner: SamplingPlanner, solver: InverseKinematics | None = None) -> GivenPorts:
+    return GivenPorts({InverseKinematics: solver or _solver(robot), SamplingPlanner: planner})
+
+
+def _solver(robot: RobotSpec) -> InverseKinematics:
+    return InstalledPorts((robot,)).port(InverseKinematics, _arm(robot))
+
+
+def _arm(robot: RobotSpec) -> str:
+    return robot.of(ArmSpec)[0].id
 
 
 def _planner(robot: RobotSpec, name: str) -> SamplingPlanner:
-    named = replace(robot, adapters=(("arm", (name,)),))
-    return InstalledPorts((named,)).port(SamplingPlanner, "arm")
+    named = replace(robot, adapters=((_arm(robot), (name,)),))
+    return InstalledPorts((named,)).port(SamplingPlanner, _arm(robot))
 
 
 def _roboplan(robot: RobotSpec) -> SamplingPlanner | None:
@@ -148,7 +183,7 @@ def sampler_table(robot: RobotSpec, seeds: range, count: int) -> None:
         seeds: Seeds of shelf problems. A part is brought over a compartment of a kit, too.
         count: Number of seeds of each planner.
     """
-    requests = {f"shelf {one.seed}, {one.kind}": one.request("arm") for one in problems(robot, seeds)}
+    requests = {f"shelf {one.seed}, {one.kind}": one.request(_arm(robot)) for one in problems(robot, seeds)}
     requests["into a kit"] = _into_kit(robot)
     planners: dict[str, SamplingPlanner] = {"rrt-connect": _planner(robot, "rrt-connect")}
     planners |= {"rrt-connect in Python": RrtConnect(), "prm": Prm(), "est": Est()}
@@ -185,7 +220,7 @@ def _into_kit(robot: RobotSpec) -> MotionRequest:
     part = Held(Solid.box(0.06, 0.04, 0.05), Pose.of(0.0, 0.0, 0.03, roll=np.pi))
     goal = PoseMove(Pose.of(0.753, 0.073, 0.58, roll=np.pi))
     home = robot.of(ArmSpec)[0].home
-    return MotionRequest("arm", home, Pose(), ((goal,),), (table, kit), part, 0.04)
+    return MotionRequest(_arm(robot), home, Pose(), ((goal,),), (table, kit), part, 0.04)
 
 
 def _beside_ompl(robot: RobotSpec, drawn: list[Problem], found: int, seconds: float) -> Figure:
@@ -207,7 +242,7 @@ def ik_figures(robot: RobotSpec, count: int) -> list[Figure]:
     arm = arm_model(robot, spec)
     rng, home = np.random.default_rng(77), np.array(spec.home)
     targets = [arm.tip_pose(rng.uniform(arm.lower, arm.upper)).homogeneous for _ in range(count)]
-    solver, draws = IkSolver(arm), np.random.default_rng(0)
+    solver, draws = _solver(robot), np.random.default_rng(0)
 
     def ours(target: Array, seed: Array) -> Array | None:
         tries = (
@@ -219,6 +254,7 @@ def ik_figures(robot: RobotSpec, count: int) -> list[Figure]:
     share = solved / count
     figures = [Figure(f"inverse kinematics, {count} poses", f"{share:.1%}", ">= 99.8 %", share >= 0.998)]
     figures.append(Figure("  mean, 95 %", f"{duration(float(np.mean(times)))}, {duration(np.percentile(times, 95))}"))
+    figures += _branch_figures(robot, targets)
     peer = trac_ik(robot, 0.05)
     if peer is None:
         return [*figures, Figure("  median", duration(median(times)), compared="pytracik is not installed")]
@@ -226,6 +262,33 @@ def ik_figures(robot: RobotSpec, count: int) -> list[Figure]:
     ratio = median(times) / median(peer_times)
     beside = f"TRAC-IK {duration(median(peer_times))}, {theirs / count:.1%}"
     return [*figures, Figure("  median", f"{duration(median(times))} = {ratio:.2f} x", "<= 2 x", ratio <= 2.0, beside)]
+
+
+def _branch_figures(robot: RobotSpec, targets: list[Array]) -> list[Figure]:
+    """Finds all branches of poses; nothing for an arm that is solved numerically."""
+    arm, solver, peer = arm_model(robot, robot.of(ArmSpec)[0]), _solver(robot), ssik_branches(robot)
+    if isinstance(solver, IkSolver) or peer is None:
+        return []
+    home, limits, rng = np.array(arm.spec.home), (arm.lower, arm.upper), np.random.default_rng(0)
+    numeric = IkSolver(arm)
+    ways: tuple[Callable[[Array], Sequence[object]], ...] = (
+        lambda target: solver.branches(target, home, limits, rng, count=_ALL),
+        peer,
+        lambda target: numeric.branches(target, home, limits, rng),
+    )
+    times: list[list[float]] = [[] for _ in ways]
+    counts: list[list[int]] = [[] for _ in ways]
+    for number, way in enumerate(ways):  # one after the other, each with its own code in the processor's cache
+        for target in targets:
+            started = process_time()
+            found = way(target)
+            times[number].append(process_time() - started)
+            counts[number].append(len(found))
+    (ours, theirs, slow), many = map(median, times), [f"{median(some):g}" for some in counts]
+    beside = f"ssik {duration(theirs)}, {many[1]}; numeric {duration(slow)}, {many[2]}"
+    figures = [Figure("  all branches, median number", many[0])]
+    said = f"{duration(ours)} = {ours / theirs:.2f} x"
+    return [*figures, Figure("  all branches, median", said, "<= 1 x", ours <= theirs, beside)]
 
 
 def _timed(
@@ -244,6 +307,17 @@ def _timed(
     return good, times
 
 
+def _installed_robot(name: str) -> RobotSpec:
+    """Returns a robot as its distribution describes it."""
+    with TemporaryDirectory() as directory:
+        scene, model = Path(directory) / "alone.ttl", find_plugin(GROUP, name, kind="robot model")
+        bases = re.findall(r"^scene:(base\w*) a ", model.individuals.read_text(encoding="utf-8"), re.MULTILINE)
+        starts = (f'scene:{base} sk:pose "0 0 0 0 0 0"^^sk:poseLiteral .\n' for base in bases)
+        scene.write_text(_SCENE.format(name) + "".join(starts), encoding="utf-8")
+        world = open_world(str(scene))
+        return read_cell(world, world.instances(ROBOT)).robots[0]
+
+
 def main() -> int:
     """Runs the campaign."""
     parser = ArgumentParser(description=__doc__.partition("\n")[0])
@@ -252,8 +326,9 @@ def main() -> int:
     parser.add_argument("--poses", type=int, default=1000, help="number of poses for inverse kinematics")
     parser.add_argument("--ompl-seconds", type=float, default=60.0, help="time that OMPL is given for a problem")
     parser.add_argument("--samplers", type=int, default=0, help="only show the planners, with as many seeds each")
+    parser.add_argument("--robot", metavar="NAME", help="robot model that is installed (default: the built-in one)")
     arguments = parser.parse_args()
-    robot = small_cell(cameras=False).robots[0]
+    robot = small_cell(cameras=False).robots[0] if arguments.robot is None else _installed_robot(arguments.robot)
     if arguments.samplers:
         sampler_table(robot, range(arguments.first, arguments.first + arguments.seeds), arguments.samplers)
         return 0

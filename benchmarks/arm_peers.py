@@ -11,6 +11,7 @@ from typing import Any
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Array
+from skiros_py.motion.pinocchio.arm_model import arm_model
 from skiros_py.motion.pinocchio.collision import Checker
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, write_robot_urdf
@@ -61,6 +62,23 @@ def _kinematic_tree(urdf: Path, arm: ArmSpec) -> ET.ElementTree[Any]:
                 unneeded |= {"axis", "limit"}
             element[:] = [part for part in element if part.tag not in unneeded]
     return tree
+
+
+def ssik_branches(robot: RobotSpec) -> Callable[[Array], list[Any]] | None:
+    """Returns ssik's own solver for the arm of a robot, as ``ssik build`` writes it; None where there is none.
+
+    It is given a pose, and returns all solutions within the limits.
+    """
+    arm = robot.of(ArmSpec)[0]
+    chain = arm_model(robot, arm).chain
+    if installed("ssik") is None or chain is None:
+        return None
+    limits = [(float(low), float(high)) for low, high in zip(chain.lower, chain.upper, strict=True)]
+    solver = installed("ssik").Manipulator.from_transforms(chain.placements, chain.axes, limits=limits)
+    emit = installed("ssik.core.codegen").emit_artifact
+    module: dict[str, Any] = {}
+    exec(emit(kb=solver.kinbody, plan=solver.dispatch_plan, module_name=arm.id).source, module)  # noqa: S102 - its API
+    return module["solve"]  # type: ignore[no-any-return]
 
 
 def ompl_rrt_connect(checker: Checker, limits: tuple[Array, Array], ends: tuple[Array, Array], seconds: float) -> bool:

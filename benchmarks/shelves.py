@@ -31,6 +31,8 @@ GAP = 0.04
 MARGIN = 0.005
 """Distance from everything at both ends of a problem [m]."""
 _DEPTH, _THICK = 0.35, 0.02
+_SHOULDER = np.array([0.22, 0.0, 1.066])
+"""Shoulder of the built-in robot; the shelf stands before that of any other robot in the same way [m]."""
 _TRIES = 4, 12
 """Poses drawn in each cell, and postures searched for each."""
 
@@ -72,7 +74,7 @@ def problems(robot: RobotSpec, seeds: range) -> Iterator[Problem]:
     solver, pairs = IkSolver(arm), self_collision_pairs(arm)
     for seed in seeds:
         chance = Chance(seed)
-        obstacles, cells = _shelf(chance)
+        obstacles, cells = _shelf(chance, np.round(arm.shoulder - _SHOULDER, 3))
         checker = CollisionScene(arm, pairs, Pose(), obstacles, None, GAP).checker(MARGIN)
         ends: list[tuple[Array, Array]] = []
         for number in chance.order(len(cells)):
@@ -94,9 +96,9 @@ def _end(chance: Chance, cell: Array, arm: ArmModel, solver: IkSolver, checker: 
     return None
 
 
-def _shelf(chance: Chance) -> tuple[list[Obstacle], list[Array]]:
+def _shelf(chance: Chance, shift: Array) -> tuple[list[Obstacle], list[Array]]:
     """Returns the shelf, and the middle of the lower front edge of each cell with its width and height [m]."""
-    front, bottom = 0.22 + chance.within(0.42, 0.5), chance.within(0.35, 0.5)
+    front, bottom = 0.22 + chance.within(0.42, 0.5) + shift[0], chance.within(0.35, 0.5) + shift[2]
     height, width = chance.within(0.33, 0.4), chance.within(0.34, 0.42)
     found = [
         _box(f"board_{n}", (_DEPTH, 3 * width + _THICK, _THICK), (front + _DEPTH / 2, 0.0, bottom + n * height))
@@ -140,10 +142,14 @@ class Judge:
     Args:
         robot: The robot.
         margin: What is nearer counts as touched [m].
+
+    Attributes:
+        arm: Id of its arm.
     """
 
     def __init__(self, robot: RobotSpec, margin: float = 0.001) -> None:
         self._arm = robot.of(ArmSpec)[0]
+        self.arm = self._arm.id
         with TemporaryDirectory() as directory:
             urdf = write_robot_urdf(robot.model, Path(directory))
             self._model = pin.buildModelFromUrdf(str(urdf))

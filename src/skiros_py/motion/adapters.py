@@ -7,6 +7,8 @@ from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
+from platformdirs import user_cache_path
+
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import SkirosError
 from skiros_py.ports.adapters import Adapter, Request
@@ -92,6 +94,18 @@ def _inverse_kinematics(request: Request) -> object:
     return IkSolver(arm_model(request.groups[0], request.device))
 
 
+def _analytic_kinematics(request: Request) -> object:
+    """Returns inverse kinematics in closed form; the numeric one for an arm for which there is no such form."""
+    from skiros_py.motion.pinocchio.analytic import analytic_kinematics
+    from skiros_py.motion.pinocchio.arm_model import arm_model
+    from skiros_py.motion.pinocchio.kinematics import IkSolver
+
+    assert isinstance(request.device, ArmSpec)
+    arm = arm_model(request.groups[0], request.device)
+    numeric = IkSolver(arm)
+    return analytic_kinematics(arm.chain, numeric, user_cache_path("skiros-py") / "arms") or numeric
+
+
 def _rrt_connect(request: Request) -> object:
     """Returns RRT-Connect of roboplan; in Python where that is not installed."""
     from skiros_py.motion.sampling import RrtConnect
@@ -120,6 +134,14 @@ BASE_PLANNER = Adapter(
     lambda device: isinstance(device, MobileSpec),
 )
 KINEMATICS = Adapter((Kinematics, Dynamics), _kinematics, one_for="robot", eager=False, without_physics=True)
+ANALYTIC_KINEMATICS = Adapter(
+    (InverseKinematics,),
+    _analytic_kinematics,
+    serves=lambda device: _is_arm(device) and find_spec("ssik") is not None,
+    one_for="device",
+    eager=False,
+    by_name=True,  # what a robot does never depends on what happens to be installed
+)
 INVERSE_KINEMATICS = Adapter((InverseKinematics,), _inverse_kinematics, serves=_is_arm, one_for="device", eager=False)
 RRT_CONNECT = Adapter((SamplingPlanner,), _rrt_connect, serves=_is_arm, one_for="device", eager=False)
 PRM, EST = (

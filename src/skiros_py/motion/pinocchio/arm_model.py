@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,6 +26,23 @@ _ACCELERATION = 7.5  # [rad/s²] of an arm whose description states none; that o
 def se3(pose: Pose) -> pin.SE3:
     """Returns a pose as Pinocchio's rigid transform."""
     return pin.SE3(pose.matrix())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RevoluteChain:
+    """Revolute joints, each mounted on the one before, and a tip on the last one.
+
+    Attributes:
+        placements: Pose of each joint's frame at zero in that of the joint before, the first one in the frame of the
+            robot's base, and last that of the tip in the frame of the last joint, shape (joints + 1, 4, 4).
+        axes: About what they turn, in their own frames, shape (joints, 3).
+        lower, upper: Joint limits [rad].
+    """
+
+    placements: Array
+    axes: Array
+    lower: Array
+    upper: Array
 
 
 class ArmModel:
@@ -85,6 +103,19 @@ class ArmModel:
         """Returns where the joints are at joint angles [rad], in the frame of the base [m], shape (n, 3)."""
         pin.forwardKinematics(self.model, self._data, q)
         return np.array([placement.translation for placement in list(self._data.oMi)[1:]])
+
+    @property
+    def chain(self) -> RevoluteChain | None:
+        """The joints as a chain; None where one is not revolute or not mounted on the one before."""
+        model, tip, joints = self.model, self.model.frames[self.tip], range(1, self.model.njoints)
+        pin.computeJointJacobians(model, self._data, pin.neutral(model))
+        columns = [pin.getJointJacobian(model, self._data, joint, pin.LOCAL)[:, joint - 1] for joint in joints]
+        serial = tip.parentJoint == joints[-1] and all(model.parents[joint] == joint - 1 for joint in joints)
+        if not serial or any(column[:3].any() for column in columns):
+            return None
+        placements = [*list(model.jointPlacements)[1:], tip.placement]
+        axes = np.array([column[3:] for column in columns])
+        return RevoluteChain(np.array([one.homogeneous for one in placements]), axes, self.lower, self.upper)
 
     @cached_property
     def shoulder(self) -> Array:

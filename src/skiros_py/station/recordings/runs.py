@@ -32,8 +32,10 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.journal.data_directory import make_folder
 from skiros_py.world.scene.writer import scene_turtle
 
-_PACKAGES = ("skiros-py", "pybullet", "mujoco-core", "numpy", "up-fast-downward", "kairos-planner")
-"""Packages whose versions are recorded."""
+_PACKAGES = (
+    "skiros-py", "pybullet", "mujoco-core", "numpy", "up-fast-downward", "kairos-planner", "pin", "roboplan-rrt", "ssik"
+)  # fmt: skip
+"""Packages whose versions are recorded: results may depend on which of them are installed."""
 
 
 def run_recorder(session: Session, data: Path) -> Recorder:
