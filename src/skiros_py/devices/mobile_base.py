@@ -195,8 +195,9 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
                 return False
             rate = min(float(np.interp(at, curve.along, fastest)), _SETTLING * left) * max(0.0, math.cos(turned))
             speed = ahead * rate
-            offset = _STIFFNESS**2 * aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
-            steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * turned
+            stiff = min(_STIFFEST, max(_STIFFNESS, _RETURNS / left))
+            offset = stiff**2 * aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
+            steer = turn * rate - speed * offset + 2.0 * stiff * max(abs(speed), _CRAWL) * turned
             twist = BaseTwist(speed + _CATCHING_UP * behind, max(-self.max_angular, min(self.max_angular, steer)))
             yield driven + 1.0 - left / curve.length, twist
 
@@ -225,6 +226,8 @@ _BLIND = 0.4
 """Greatest speed backwards, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
+_STIFFEST, _RETURNS = 16.0, 4.0
+"""The most it may be [1/m], and how many times that way should fit into what is left of a leg."""
 _CRAWL = 0.1
 """Speed below which steering by the heading does not become weaker [m/s]."""
 _CATCHING_UP = 2.0
