@@ -13,6 +13,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
+from skiros_primitives.arm_moves import carrying_postures
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.docking import docking_pose
 from skiros_primitives.driving import DrivingPrimitive
@@ -104,33 +105,32 @@ class DriveBase(DrivingPrimitive):
         Its arms are stowed while it leaves, and reach out while it arrives.
         """
         base = Mobile(self.context.board, self.params.base)
-        taught = self._goal()
-        if not isinstance(taught, Failure):
-            yield from self._dock_in_reach(taught)
         self._in_use = self.context.now
-        deadline = self.context.now + _COURTESY
+        deadline, docked = self.context.now + _COURTESY, False
         while True:
             goal = self._goal()
             if isinstance(goal, Failure):
                 return goal
             arms = TravellingArms(self.context, self._robot, self.params.location, goal)
-            stuck = yield from self._stow(arms)
-            if stuck is not None:
+            plans = [self._stow(arms), *([] if docked else [self._dock_in_reach(goal)])]
+            outcomes, docked = (yield from self.join(*plans)), True
+            if (stuck := next((one for one in outcomes if isinstance(one, Failure)), None)) is not None:
                 return stuck
+            if self._goal() != goal:  # it docks elsewhere, where an arm may have to be stowed otherwise
+                continue
             self._shape = floor_obstacles.shape(self.context, self._robot, arms.postures)
             self._again = False
             _, outcome = yield from self.join(arms.move(), self._attempt(base, goal, deadline, arms))
             if not self._again:
                 return outcome
 
-    def _stow(self, arms: TravellingArms) -> Execution[Failure | None]:
+    def _stow(self, arms: TravellingArms) -> Execution[Outcome]:
         """Plans how an arm is stowed while the base leaves; several, or one without a planner, are stowed before."""
         robot, location = self.params.robot, self.params.location
         extended = unstowed(self.context, self._robot, location)
         if len(extended) == 1 and arms.plans(extended[0]):
             return (yield from arms.plan_stowing(extended[0]))
-        stowed = (yield from self.call("stow_arms", robot=robot, location=location)) if extended else None
-        return stowed if isinstance(stowed, Failure) else None
+        return (yield from self.call("stow_arms", robot=robot, location=location)) if extended else Success()
 
     def _attempt(self, base: Mobile, goal: Pose, deadline: float, arms: TravellingArms) -> Execution[Outcome]:
         """Plans one path and drives it as soon as it is free; says in ``_again`` whether to try another one."""
@@ -230,21 +230,33 @@ class DriveBase(DrivingPrimitive):
             return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
 
-    def _dock_in_reach(self, goal: Pose) -> Execution[None]:
-        """Makes the place from where the arm reaches what is wanted there the driving pose, if that is another one."""
-        location, stowed = self.params.location, {arm.id: arm.home for arm in self._robot.of(ArmSpec)}
-        self._shape = floor_obstacles.shape(self.context, self._robot, stowed)
+    def _dock_in_reach(self, goal: Pose) -> Execution[Outcome]:
+        """Makes the pose from where the arm reaches what is wanted there the driving pose, if that is another one."""
+        location = self.params.location
 
         def is_free(pose: Pose) -> Execution[bool]:
+            postures = {arm.id: self._posture_at(arm, pose) for arm in self._robot.of(ArmSpec)}
+            self._shape = floor_obstacles.shape(self.context, self._robot, postures)
             return not isinstance((yield from self._plan(pose)), NoMotion)
 
         pose = yield from docking_pose(self, self._robot, location, goal, is_free)
+        if isinstance(pose, Failure):
+            return pose
         place = map_pose(self.context, location)
         if pose != goal and place is not None:
             off = pose.distance(goal) * 1e3
             reason = Message("the arm reaches more from {off:.0f} mm beside", off=off)
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.set(location, v.DRIVING_POSE, place.inverse() @ pose)
+        return Success()
+
+    def _posture_at(self, arm: ArmSpec, pose: Pose) -> tuple[float, ...]:
+        """Returns the first posture for travelling in which an arm touches nothing with its base at a pose."""
+        postures = carrying_postures(arm)
+        free = (
+            one for one in postures if not floor_obstacles.reaches_over(self.context, self._robot, arm.id, one, pose)
+        )
+        return next(free, postures[0])
 
     def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""

@@ -41,7 +41,7 @@ class TaskRecord:
         steps: The most recent executed steps, in the order in which they ended.
         forgotten: How many earlier steps were dropped.
         reached: The highest sequence number that each robot has visited in this task.
-        left_out: Targets on which a skill failed too often, each with its last failure.
+        left_out: Targets on which a skill failed too often, or that are out of reach, each with its last failure.
         tried: What was tried in vain, over retries and new plans, by what it was for (:func:`purpose`).
         worn_out: Conditions about something that failed too often, wherever it was tried.
         given_up: Conditions that were given up, with the reason.
@@ -71,6 +71,7 @@ class TaskRecord:
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, ...]] = Counter()
         self._reasons: dict[str, tuple[str, Tried]] = {}
+        self._out_of_reach: set[str] = set()
         self._round = Round(context.world)
         self._start = context.now, time.perf_counter()
         self._since: dict[Condition, tuple[float, float]] = {}
@@ -97,6 +98,10 @@ class TaskRecord:
             self._reasons.pop(target, None)  # the latest failure is the last entry
             self._reasons[target] = reason, self.tried[purpose(step, skill, self._view)]
             self._count_failure(step, skill, reason)
+            for thing in outcome.values.get("out_of_reach", ()):
+                self._reasons[thing] = self._reasons[target]
+                self.left_out[thing] = reason
+                self._out_of_reach.add(thing)
         if not reason:
             self._round.take(self._view, skill, with_defaults(skill, step.arguments))
             self.reached = dict(self._round.reached)
@@ -121,6 +126,7 @@ class TaskRecord:
         self.tried.clear()
         self.worn_out.clear()
         self.left_out.clear()
+        self._out_of_reach.clear()
         self._reasons = {t: why for t, why in self._reasons.items() if not self._concerns(condition, t)}
 
     # ------------------------------------------------------------------ conditions
@@ -185,7 +191,7 @@ class TaskRecord:
             reason = given_up.get(condition, Message("it does not hold any more"))
             return joined("; ", filter(None, (self._why_lost(condition), reason)))
         target, (reason, tried) = failed[-1]
-        if target not in self.left_out:
+        if target not in self.left_out or target in self._out_of_reach:
             return reason
         said = {"reason": reason, "thing": target, "count": self._attempts}
         text = Message("{reason}; gave up on {thing} after {count} failed tries", **said)
