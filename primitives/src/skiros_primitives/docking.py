@@ -40,7 +40,7 @@ from skiros_py.ports.motion import (
 from skiros_py.ports.paths import Outline, floor_area, placed
 from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Failure
+from skiros_py.skills.outcome import Failure, tick
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, map_pose, obstacles, owner
 from skiros_py.world import vocabulary as v
@@ -62,8 +62,8 @@ _TURN = 0.4
 """How much a turn counts as way between two docks [m/rad]."""
 _COMFORT = 0.5
 """How much way it is worth to stay away from joint limits by half of a joint's range [m]."""
-_ENOUGH = 4
-"""Among so many poses from which all is reached the best one is chosen."""
+_AT_ONCE, _ENOUGH = 6, 3
+"""So many poses are looked at together; among so many from which all is reached the best one is chosen."""
 _PLANNED = 4
 """For so many of them motions are planned, until there are some."""
 _CORNER = 0.8
@@ -171,17 +171,22 @@ class Docks:
 
     def suits(self, base: Pose) -> Execution[bool]:
         """Returns whether the arm comes from a pose to what is farthest away, and all else is within its reach."""
-        checking = self._reached((base,))
-        is_there, reached = (
-            (yield from self.planned(base, self._task.wanted[:1])),
-            (yield from self._primitive.wait(checking)),
-        )
-        return is_there > 0 and all(None not in there for there in reached)
+        planning = self.planned(base, self._task.wanted[:1])
+        checking = self._primitive.wait(self._reached((base,)))
+        planned, reached = tick(planning), tick(checking)
+        while planned is None or reached is None:
+            yield
+            planned = tick(planning) if planned is None else planned
+            reached = reached or tick(checking)
+        return planned > 0 and None not in reached[0]
 
     def best(self, taught: Pose, is_free: Callable[[Pose], Execution[bool]]) -> Execution[Pose | Failure]:
         """Returns the best pose besides the driving pose, or that one where none is better."""
-        bases = (taught, *self._others(taught))
-        reached = yield from self._primitive.wait(self._reached(bases))
+        bases = [taught, *sorted(self._others(taught), key=lambda pose: pose.distance(taught))]
+        reached: list[Reached] = []
+        while len(reached) < len(bases) and all(None in there for there in reached):  # the nearest first
+            some = bases[len(reached) : len(reached) + _AT_ONCE]
+            reached += yield from self._primitive.wait(self._reached(some))
         if missing := self._out_of_reach(reached):
             return self._refusal(missing)
         wanted, everything = self._task.wanted, len(self._task.targets())

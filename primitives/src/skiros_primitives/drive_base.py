@@ -59,6 +59,8 @@ _OBSTRUCTED = {
     "idle": partial(Message, "{robots} stands there, and nothing moves it"),
 }
 """Why there is no way, by what the other robots do."""
+_FRESH = 0.3
+"""How old a path may be that was planned while the motion of an arm was planned [s]."""
 _BLOCK = (0.3, 0.6, 0.6)
 """Length, width and height of the block that is assumed where the base has met something [m]."""
 _SURPRISES = 5
@@ -87,6 +89,8 @@ class DriveBase(DrivingPrimitive):
     takes: ClassVar[tuple[str, ...]] = ("robot",)
 
     _shape: tuple[Layer, ...] = ()
+    _guess: tuple[Path, Pose, tuple[Layer, ...], float] | None = None
+    """A path that was planned before its shape was known, with goal, shape, and when [s]."""
     _waits_for = ""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
@@ -112,7 +116,7 @@ class DriveBase(DrivingPrimitive):
             if isinstance(goal, Failure):
                 return goal
             arms = TravellingArms(self.context, self._robot, self.params.location, goal)
-            plans = [self._stow(arms), *([] if docked else [self._dock_in_reach(goal)])]
+            plans = [self._stow(arms), self._guess_path(goal), *([] if docked else [self._dock_in_reach(goal)])]
             outcomes, docked = (yield from self.join(*plans)), True
             if (stuck := next((one for one in outcomes if isinstance(one, Failure)), None)) is not None:
                 return stuck
@@ -136,7 +140,7 @@ class DriveBase(DrivingPrimitive):
         """Plans one path and drives it as soon as it is free; says in ``_again`` whether to try another one."""
         try:
             outline = floor_obstacles.outline(self._shape)
-            path = yield from self._plan(goal)
+            path = self._guessed(goal) or (yield from self._plan(goal, self._shape))
             if isinstance(path, NoMotion):
                 return replace(self._no_way(path.reason), values=path.values)
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
@@ -236,8 +240,8 @@ class DriveBase(DrivingPrimitive):
 
         def is_free(pose: Pose) -> Execution[bool]:
             postures = {arm.id: self._posture_at(arm, pose) for arm in self._robot.of(ArmSpec)}
-            self._shape = floor_obstacles.shape(self.context, self._robot, postures)
-            return not isinstance((yield from self._plan(pose)), NoMotion)
+            shape = floor_obstacles.shape(self.context, self._robot, postures)
+            return not isinstance((yield from self._plan(pose, shape)), NoMotion)
 
         pose = yield from docking_pose(self, self._robot, location, goal, is_free)
         if isinstance(pose, Failure):
@@ -258,21 +262,37 @@ class DriveBase(DrivingPrimitive):
         )
         return next(free, postures[0])
 
-    def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
+    def _guess_path(self, goal: Pose) -> Execution[Outcome]:
+        """Plans a path for the first postures for travelling, meanwhile: mostly the arms get into these."""
+        stowed = {
+            arm.id: carrying_postures(arm)[0] for arm in unstowed(self.context, self._robot, self.params.location)
+        }
+        shape, made = floor_obstacles.shape(self.context, self._robot, stowed), self.context.now
+        path = yield from self._plan(goal, shape)
+        self._guess = None if isinstance(path, NoMotion) else (path, goal, shape, made)
+        return Success()
+
+    def _guessed(self, goal: Pose) -> Path | None:
+        """Returns that path, if it is for how the arms will be, and not older than some plans of arms take."""
+        (guess, self._guess), now = (self._guess, None), self.context.now
+        fits = guess is not None and guess[1:3] == (goal, self._shape) and now - guess[3] < _FRESH
+        return guess[0] if guess is not None and fits else None
+
+    def _plan(self, goal: Pose, shape: Sequence[Layer]) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""
         standing = self._standing()
-        path = yield from self._path(goal, standing)
+        path = yield from self._path(goal, standing, shape)
         if isinstance(path, NoMotion) and standing:
-            path = yield from self._path(goal, ())
+            path = yield from self._path(goal, (), shape)
         return path
 
     def _standing(self) -> tuple[Obstacle, ...]:
         return floor_obstacles.standing(self.context, self.params.robot, margin=_ASIDE + _APART)
 
-    def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
+    def _path(self, goal: Pose, robots: tuple[Obstacle, ...], shape: Sequence[Layer]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         around = (*self._things(), *chain.from_iterable(self.context.pictures.unknown.values()), *robots)
-        request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base)
+        request = BasePathRequest(self.pose, goal, tuple(shape), around, device=self.params.base)
         return (yield from self.wait(planner.plan(request)))
 
     @property
@@ -338,7 +358,7 @@ class DriveBase(DrivingPrimitive):
         around = (*self._things(), *robots)
         area = shapely.buffer(area, reach(outline))
         for pose in floor_obstacles.asides(self.context, outline, self.pose, around, area):
-            path = yield from self._path(pose, robots)
+            path = yield from self._path(pose, robots, self._shape)
             if not isinstance(path, NoMotion):
                 return path
         return None
