@@ -13,6 +13,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import floor_obstacles
+from skiros_primitives.arm_moves import carrying_postures
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.docking import docking_pose
 from skiros_primitives.driving import DrivingPrimitive
@@ -58,6 +59,8 @@ _OBSTRUCTED = {
     "idle": partial(Message, "{robots} stands there, and nothing moves it"),
 }
 """Why there is no way, by what the other robots do."""
+_FRESH = 0.3
+"""How old a path may be that was planned while the motion of an arm was planned [s]."""
 _BLOCK = (0.3, 0.6, 0.6)
 """Length, width and height of the block that is assumed where the base has met something [m]."""
 _SURPRISES = 5
@@ -86,6 +89,8 @@ class DriveBase(DrivingPrimitive):
     takes: ClassVar[tuple[str, ...]] = ("robot",)
 
     _shape: tuple[Layer, ...] = ()
+    _guess: tuple[Path, Pose, tuple[Layer, ...], float] | None = None
+    """A path that was planned before its shape was known, with goal, shape, and when [s]."""
     _waits_for = ""
     _met: Sequence[str] = ()
     """Ids of obstacles that the base has met."""
@@ -104,39 +109,38 @@ class DriveBase(DrivingPrimitive):
         Its arms are stowed while it leaves, and reach out while it arrives.
         """
         base = Mobile(self.context.board, self.params.base)
-        taught = self._goal()
-        if not isinstance(taught, Failure):
-            yield from self._dock_in_reach(taught)
         self._in_use = self.context.now
-        deadline = self.context.now + _COURTESY
+        deadline, docked = self.context.now + _COURTESY, False
         while True:
             goal = self._goal()
             if isinstance(goal, Failure):
                 return goal
             arms = TravellingArms(self.context, self._robot, self.params.location, goal)
-            stuck = yield from self._stow(arms)
-            if stuck is not None:
+            plans = [self._stow(arms), self._guess_path(goal), *([] if docked else [self._dock_in_reach(goal)])]
+            outcomes, docked = (yield from self.join(*plans)), True
+            if (stuck := next((one for one in outcomes if isinstance(one, Failure)), None)) is not None:
                 return stuck
+            if self._goal() != goal:  # it docks elsewhere, where an arm may have to be stowed otherwise
+                continue
             self._shape = floor_obstacles.shape(self.context, self._robot, arms.postures)
             self._again = False
             _, outcome = yield from self.join(arms.move(), self._attempt(base, goal, deadline, arms))
             if not self._again:
                 return outcome
 
-    def _stow(self, arms: TravellingArms) -> Execution[Failure | None]:
+    def _stow(self, arms: TravellingArms) -> Execution[Outcome]:
         """Plans how an arm is stowed while the base leaves; several, or one without a planner, are stowed before."""
         robot, location = self.params.robot, self.params.location
         extended = unstowed(self.context, self._robot, location)
         if len(extended) == 1 and arms.plans(extended[0]):
             return (yield from arms.plan_stowing(extended[0]))
-        stowed = (yield from self.call("stow_arms", robot=robot, location=location)) if extended else None
-        return stowed if isinstance(stowed, Failure) else None
+        return (yield from self.call("stow_arms", robot=robot, location=location)) if extended else Success()
 
     def _attempt(self, base: Mobile, goal: Pose, deadline: float, arms: TravellingArms) -> Execution[Outcome]:
         """Plans one path and drives it as soon as it is free; says in ``_again`` whether to try another one."""
         try:
             outline = floor_obstacles.outline(self._shape)
-            path = yield from self._plan(goal)
+            path = self._guessed(goal) or (yield from self._plan(goal, self._shape))
             if isinstance(path, NoMotion):
                 return replace(self._no_way(path.reason), values=path.values)
             with self.context.floor.ask(self.params.robot, outline, self.pose, path) as way:
@@ -231,38 +235,66 @@ class DriveBase(DrivingPrimitive):
             return Failure(Message("{location} has no driving pose: teach one", location=location))
         return place @ driving
 
-    def _dock_in_reach(self, goal: Pose) -> Execution[None]:
-        """Makes the place from where the arm reaches what is wanted there the driving pose, if that is another one."""
-        location, stowed = self.params.location, {arm.id: arm.home for arm in self._robot.of(ArmSpec)}
-        self._shape = floor_obstacles.shape(self.context, self._robot, stowed)
+    def _dock_in_reach(self, goal: Pose) -> Execution[Outcome]:
+        """Makes the pose from where the arm reaches what is wanted there the driving pose, if that is another one."""
+        location = self.params.location
 
         def is_free(pose: Pose) -> Execution[bool]:
-            return not isinstance((yield from self._plan(pose)), NoMotion)
+            postures = {arm.id: self._posture_at(arm, pose) for arm in self._robot.of(ArmSpec)}
+            shape = floor_obstacles.shape(self.context, self._robot, postures)
+            return not isinstance((yield from self._plan(pose, shape)), NoMotion)
 
         pose = yield from docking_pose(self, self._robot, location, goal, is_free)
+        if isinstance(pose, Failure):
+            return pose
         place = map_pose(self.context, location)
         if pose != goal and place is not None:
             off = pose.distance(goal) * 1e3
             reason = Message("the arm reaches more from {off:.0f} mm beside", off=off)
             with self.world.transaction(author=self.name, reason=reason) as tx:
                 tx.set(location, v.DRIVING_POSE, place.inverse() @ pose)
+        return Success()
 
-    def _plan(self, goal: Pose) -> Execution[Path | NoMotion]:
+    def _posture_at(self, arm: ArmSpec, pose: Pose) -> tuple[float, ...]:
+        """Returns the first posture for travelling in which an arm touches nothing with its base at a pose."""
+        postures = carrying_postures(arm)
+        free = (
+            one for one in postures if not floor_obstacles.reaches_over(self.context, self._robot, arm.id, one, pose)
+        )
+        return next(free, postures[0])
+
+    def _guess_path(self, goal: Pose) -> Execution[Outcome]:
+        """Plans a path for the first postures for travelling, meanwhile: mostly the arms get into these."""
+        stowed = {
+            arm.id: carrying_postures(arm)[0] for arm in unstowed(self.context, self._robot, self.params.location)
+        }
+        shape, made = floor_obstacles.shape(self.context, self._robot, stowed), self.context.now
+        path = yield from self._plan(goal, shape)
+        self._guess = None if isinstance(path, NoMotion) else (path, goal, shape, made)
+        return Success()
+
+    def _guessed(self, goal: Pose) -> Path | None:
+        """Returns that path, if it is for how the arms will be, and not older than some plans of arms take."""
+        (guess, self._guess), now = (self._guess, None), self.context.now
+        fits = guess is not None and guess[1:3] == (goal, self._shape) and now - guess[3] < _FRESH
+        return guess[0] if guess is not None and fits else None
+
+    def _plan(self, goal: Pose, shape: Sequence[Layer]) -> Execution[Path | NoMotion]:
         """Plans around everything at rest, or else as if no robot stood there."""
         standing = self._standing()
-        path = yield from self._path(goal, standing)
+        path = yield from self._path(goal, standing, shape)
         if isinstance(path, NoMotion) and standing:
-            path = yield from self._path(goal, ())
+            path = yield from self._path(goal, (), shape)
         return path
 
     def _standing(self) -> tuple[Obstacle, ...]:
         return floor_obstacles.standing(self.context, self.params.robot, margin=_ASIDE + _APART)
 
-    def _path(self, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[Path | NoMotion]:
+    def _path(self, goal: Pose, robots: tuple[Obstacle, ...], shape: Sequence[Layer]) -> Execution[Path | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
         around = (*self._things(), *chain.from_iterable(self.context.pictures.unknown.values()), *robots)
         glides = self._spec().drives_sideways
-        request = BasePathRequest(self.pose, goal, self._shape, around, device=self.params.base, glides=glides)
+        request = BasePathRequest(self.pose, goal, tuple(shape), around, device=self.params.base, glides=glides)
         return (yield from self.wait(planner.plan(request)))
 
     @property
@@ -328,7 +360,7 @@ class DriveBase(DrivingPrimitive):
         around = (*self._things(), *robots)
         area = shapely.buffer(area, reach(outline))
         for pose in floor_obstacles.asides(self.context, outline, self.pose, around, area):
-            path = yield from self._path(pose, robots)
+            path = yield from self._path(pose, robots, self._shape)
             if not isinstance(path, NoMotion):
                 return path
         return None

@@ -11,10 +11,12 @@ from typing import ClassVar
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import SHARES, MotionPlan, NoMotion, PoseMove, Route, Vector
 from skiros_py.ports.perception import (
     Detection,
@@ -27,6 +29,7 @@ from skiros_py.ports.perception import (
     RegistrationResult,
 )
 from skiros_py.ports.values import DepthImage
+from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -223,6 +226,27 @@ class LookingPrimitive(ArmPrimitive):
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
                 write_pose(tx, part, found.pose, self.gripper_id)
         return True
+
+
+def lowest_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:
+    """Returns the poses of an arm's tip from which its camera looks straight down at a point from the least height.
+
+    Args:
+        context: The run.
+        arm: The arm.
+        base: Where its base stands about, in the map.
+        point: Where to look, in the map [m].
+
+    Returns:
+        Alternatives; none for an arm without a camera.
+    """
+    mine = context.world.objects(arm.id, v.HAS_A)
+    camera = next((one for one in context.cell.group_of(arm.id).of(CameraSpec) if one.id in mine), None)
+    if camera is None:
+        return ()
+    kinematics, home = context.port(Kinematics, arm.id), dict(zip(arm.joints, arm.home, strict=True))
+    back = kinematics.pose(camera.frame, home).inverse() @ kinematics.pose(arm.tip, home)
+    return tuple(_above(point, _LOOK_HEIGHTS[-1], _yaw(base, view)) @ back for view in range(_VIEWS))
 
 
 def _yaw(base: Pose, view: int) -> float:

@@ -347,6 +347,19 @@ class Sighting:
                 self.seen = self.match.pose
 
 
+def on_floor(context: RunContext, location: str) -> Obstacle | None:
+    """Returns a location, or on what it stands, that stands on the floor; None where nothing there does."""
+    at: str | None = location
+    while at is not None:
+        solid, pose = solid_of(context.world, at), map_pose(context, at)
+        if solid is not None and pose is not None and pose.position[2] < _LOW:
+            return Obstacle(at, solid, pose)
+        placement = context.world.placement(at)
+        whole = next(iter(context.world.subjects(v.HAS_A, at)), None)
+        at = whole if placement is None else placement.place
+    return None
+
+
 class PlaceInSight:
     """The place that a base drives to, as the scanners of its robot see it.
 
@@ -374,15 +387,8 @@ class PlaceInSight:
     @classmethod
     def of(cls, context: RunContext, robot: RobotSpec, base: Mobile, location: str, goal: Pose) -> PlaceInSight | None:
         """Returns the view of a location, or None: the robot has no scanner, or nothing there stands on the floor."""
-        at: str | None = location if robot.of(ScannerSpec) else None
-        while at is not None:
-            solid, pose = solid_of(context.world, at), map_pose(context, at)
-            if solid is not None and pose is not None and pose.position[2] < _LOW:
-                return cls(context, robot, base, goal, Obstacle(at, solid, pose))
-            placement = context.world.placement(at)
-            whole = next(iter(context.world.subjects(v.HAS_A, at)), None)
-            at = whole if placement is None else placement.place
-        return None
+        thing = on_floor(context, location) if robot.of(ScannerSpec) else None
+        return None if thing is None else cls(context, robot, base, goal, thing)
 
     def look(self) -> None:
         """Takes the new scans; to be asked once per cycle."""

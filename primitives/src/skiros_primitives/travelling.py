@@ -101,8 +101,8 @@ class TravellingArms:
         """Returns whether there is a planner for an arm: none moves beside its base without."""
         return self._context.ports.find(ArmPlanner, arm.id) is not None
 
-    def plan_stowing(self, arm: ArmSpec) -> Execution[Failure | None]:
-        """Plans how an arm gets into a posture for travelling; returns why that is not possible."""
+    def plan_stowing(self, arm: ArmSpec) -> Execution[Outcome]:
+        """Plans how an arm gets into a posture for travelling."""
         mover = _TravellingArm(self._context, _TravellingArm.Params(arm.id))
         found = yield from mover.plan_posture(self._location)
         if isinstance(found, Failure):
@@ -110,7 +110,7 @@ class TravellingArms:
         number, planned = found
         self._stowing = mover, planned
         self.postures[arm.id] = carrying_postures(arm)[number]
-        return None
+        return Success()
 
     def move(self) -> Execution[Outcome]:
         """Stows what was planned, and reaches out when the base arrives; ends after the base."""

@@ -228,9 +228,10 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         The feedback is that of Samson (1995) for a point on the path next to the base.
         """
         ahead, _, turn = curve.rates(place.along)
-        speed = ahead * rate
-        offset = _STIFFNESS**2 * place.aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
-        steer = turn * rate - speed * offset + 2.0 * _STIFFNESS * max(abs(speed), _CRAWL) * place.turned
+        speed, left = ahead * rate, curve.length - place.along
+        stiff = min(_STIFFEST, max(_STIFFNESS, _RETURNS / left))
+        offset = stiff**2 * place.aside + _STIFFNESS**3 / 8.0 * drift  # without the sum, an error in heading stays
+        steer = turn * rate - speed * offset + 2.0 * stiff * max(abs(speed), _CRAWL) * place.turned
         return BaseTwist(speed + _CATCHING_UP * place.behind, max(-self.max_angular, min(self.max_angular, steer)))
 
     def _glided(self, curve: Curve, place: Place, rate: float, drift: float) -> BaseTwist:  # noqa: ARG002 - needs no sum
@@ -266,6 +267,8 @@ _BLIND = 0.4
 """Greatest speed backwards and sideways, where scanners that look ahead see nothing [m/s]."""
 _STIFFNESS = 8.0
 """Inverse of the way on which a base comes back to its path [1/m]; critically damped."""
+_STIFFEST, _RETURNS = 16.0, 4.0
+"""The most it may be [1/m], and how many times that way should fit into what is left of a leg."""
 _CRAWL = 0.1
 """Speed below which steering by the heading does not become weaker [m/s]."""
 _CATCHING_UP = 2.0

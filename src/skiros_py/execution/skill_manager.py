@@ -272,6 +272,7 @@ class SkillManager:
         task: str = "",
         parent: str = "",
         tried: Tried | None = None,
+        ahead: frozenset[str] = frozenset(),
     ) -> RunningModule:
         """Starts a module.
 
@@ -283,6 +284,7 @@ class SkillManager:
             task: Name of the task that it is done for; empty for none.
             parent: Id of what it is part of, such as a step of a plan; empty for none.
             tried: What was tried in vain for the same purpose; None for nothing.
+            ahead: Ids of what the next steps of the plan are about.
 
         Raises:
             UnknownName: It does not offer that module.
@@ -298,7 +300,7 @@ class SkillManager:
         clock, run_id = RunClock(self._cycle.board), self._cell.monitor.new_id()
         scope = replace(
             self._scope(module),
-            context=replace(self._context, clock=clock, tried=tried or Tried()),
+            context=replace(self._context, clock=clock, tried=tried or Tried(), ahead=ahead),
             task=task,
             id=parent,
             root=parent or run_id,

@@ -15,15 +15,17 @@ from skiros_py.ports.adapters import Adapter, Request
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.kinematics import Dynamics, InverseKinematics, Kinematics
-from skiros_py.ports.motion import ArmPlanner, BasePlanner, SamplingPlanner, SceneMapper
+from skiros_py.ports.motion import ArmPlanner, BasePlanner, ReachChecker, SamplingPlanner, SceneMapper
 from skiros_py.ports.values import Pending
 from skiros_py.workers import Worker
 
 _LATENCY = 0.05
+_MORE = 0.02
+"""Declared time for each further place of a base from where an arm may reach something [s]."""
 
 
 class WorkerPlanner:
-    """Plans motions in a worker process: an ``ArmPlanner`` with a ``SceneMapper``, or a ``BasePlanner``.
+    """Plans motions in a worker process: an ``ArmPlanner``, ``SceneMapper``, ``ReachChecker``, or a ``BasePlanner``.
 
     Args:
         name: Name of the process.
@@ -46,6 +48,11 @@ class WorkerPlanner:
     def blocked(self, check: Any) -> Pending[Any]:
         """Asks the planner of arms what that was seen is in the way of a motion."""
         return self._worker.call("blocked", check, latency=self._latency)
+
+    def reach(self, request: Any) -> Pending[Any]:
+        """Asks the planner of arms from where an arm reaches something."""
+        latency = self._latency + _MORE * (len(request.bases) - 1)
+        return self._worker.call("reach", request, latency=latency)
 
     def close(self) -> None:
         """Ends the worker process."""
@@ -127,7 +134,7 @@ def _python_planner(name: str) -> Callable[[Request], object]:
     return make
 
 
-ARM_PLANNER = Adapter((ArmPlanner, SceneMapper), _arm_planner, serves=_is_arm, one_for="robot")
+ARM_PLANNER = Adapter((ArmPlanner, SceneMapper, ReachChecker), _arm_planner, serves=_is_arm, one_for="robot")
 BASE_PLANNER = Adapter(
     (BasePlanner,),
     lambda _request: WorkerPlanner("base paths", base_paths),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Generic, Protocol, TypeVar
 
@@ -125,22 +125,22 @@ class RuledOut:
     """An attempt that would fail again.
 
     Attributes:
-        skill: The skill.
-        agent: Who tried it.
+        skill: The skill; None for any.
+        agent: Who tried it, or its robot.
         target: Its target; None for any.
         place: Where the robot was; None for anywhere.
         reason: Why it fails.
     """
 
-    skill: str
+    skill: str | None
     agent: str
     target: str | None
     place: str | None
     reason: str
 
-    def is_of(self, skill: str, agent: str, target: str | None) -> bool:
-        """Returns whether it is an attempt of this kind, wherever the robot is."""
-        return (self.skill, self.agent) == (skill, agent) and self.target in (None, target)
+    def is_of(self, skill: str, agents: Collection[str], target: str | None) -> bool:
+        """Returns whether it is an attempt of this kind by any of some agents, wherever their robot is."""
+        return self.skill in (None, skill) and self.agent in agents and self.target in (None, target)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ class _MayTry:
 
     def __call__(self, view: WorldView, agent: str, target: str) -> Verdict:  # noqa: ARG002 - as functions of relations
         for one in self.ruled_out:
-            if one.agent == agent and one.target in (None, target):
+            if one.agent in (agent, robot_of(view, agent)) and one.target in (None, target):
                 return Verdict(False, Message("{agent}: {reason}", agent=agent, reason=one.reason))
         return Verdict(True, Message("{agent} may try {target}", agent=agent, target=target))
 
@@ -231,7 +231,7 @@ class PlanRequest:
         """Returns a skill for other targets only: facts may lead to one that is left out, though none is chosen."""
         agent, target = skill.agent, skill.target
         roles = tuple(Role(key, skill.param(key).element_class) for key in (agent, target))
-        own = tuple(one for one in self.ruled_out if one.skill == skill.name)
+        own = tuple(one for one in self.ruled_out if one.skill in (None, skill.name))
         patterns: list[Pattern] = []
         if self.left_out:
             patterns.append(Computed("may try", agent, target, _NotLeftOut(tuple(sorted(self.left_out.items())))))

@@ -307,6 +307,47 @@ class SceneMapper(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ReachRequest:
+    """From which of several poses of its base an arm reaches what it is wanted to.
+
+    Attributes:
+        device: Id of the arm.
+        bases: The poses of the base in the map, the preferred ones first.
+        targets: What is to be reached: for each the alternatives, and for each of these the poses of the tip in the
+            map that the arm has to reach one after the other.
+        near: Joint angles that solutions are looked for around [rad].
+        obstacles: Bodies in the map that the arm, the gripper and what it holds must not touch.
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers [m].
+        touching: Ids of obstacles that may be touched.
+        enough: After so many bases from which every target is reached, no further one is looked at.
+        seed: Seed of every random choice.
+    """
+
+    device: str
+    bases: tuple[Pose, ...]
+    targets: tuple[tuple[tuple[Pose, ...], ...], ...]
+    near: tuple[float, ...]
+    obstacles: tuple[Obstacle, ...] = ()
+    held: Held | None = None
+    gap: float = 0.08
+    touching: frozenset[str] = frozenset()
+    enough: int = 1
+    seed: int = 0
+
+
+Reached = tuple[float | None, ...]
+"""For each target how far the joints stay from their limits, as a share of half their ranges; None if out of reach."""
+
+
+class ReachChecker(Protocol):
+    """Postures of arms without the motions to them: much cheaper than a plan."""
+
+    def reach(self, request: ReachRequest) -> Pending[tuple[Reached, ...]]:
+        """Answers for each base that was looked at, in their order, what is reached from there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SearchTask:
     """A free motion of an arm that neither joint interpolation nor a straight line solves.
 

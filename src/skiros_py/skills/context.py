@@ -287,6 +287,7 @@ class RunContext:
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
         tried: What was tried in vain for the same purpose, by earlier runs too.
         pictures: The depth pictures that were taken.
+        ahead: Ids of what the next steps of the plan are about; empty where nobody knows.
     """
 
     world: World
@@ -307,6 +308,7 @@ class RunContext:
     effects: Effects | None = None
     tried: Tried = field(default_factory=Tried)
     pictures: Pictures = field(default_factory=Pictures)
+    ahead: frozenset[str] = frozenset()
 
     @property
     def now(self) -> float:

@@ -40,7 +40,8 @@ class Failure:
         reason: What happened, in the operator's words.
         code: Negative progress code (paper §4.1).
         values: Why, as plain data for programs: ``cause`` is the kind of reason ("reach", "collision", "limits",
-            "singularity", "contact", "not grasped", "device", …); ``blocked_by`` are the ids of robots.
+            "singularity", "contact", "not grasped", "device", …); ``blocked_by`` are the ids of robots, and
+            ``out_of_reach`` those of what no attempt can reach.
     """
 
     reason: str

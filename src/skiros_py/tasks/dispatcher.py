@@ -344,7 +344,7 @@ class Dispatcher:
             parent = step_id(task, run.number)
             tried = self._tried[purpose(run.step, self._skills[run.step.skill], self._context.world)]
             running = managers[run.agent].start(
-                run.step.skill, run.step.arguments, task=task, parent=parent, tried=tried
+                run.step.skill, run.step.arguments, task=task, parent=parent, tried=tried, ahead=self._ahead(index)
             )
         except UsageError as refusal:
             failure = Failure(str(refusal), CANCELLED)  # not the target's fault
@@ -352,6 +352,17 @@ class Dispatcher:
             self._failed.append((run.step, failure))
             return
         self._agenda.running[index] = Active(run, robot_of(self._context.world, run.agent), running)
+
+    def _ahead(self, index: int) -> frozenset[str]:
+        """Returns what the next steps of the same robot are about, up to the next one with the same skill."""
+        first = self._agenda.steps[index]
+        robot, found = robot_of(self._context.world, self._agent(first)), set[str]()
+        for step in self._agenda.steps[index + 1 :]:
+            if robot_of(self._context.world, self._agent(step)) == robot:
+                if step.skill == first.skill:
+                    break
+                found.update(step.arguments.values())
+        return frozenset(found)
 
     def _forget_coming(self) -> None:
         """Drops the steps that wait for the disk; they were never started."""

@@ -122,11 +122,16 @@ class TaskRecord:
             self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
     def _rule_out(self, step: Step, skill: SkillDescription, failure: Failure) -> None:
-        """Notes an attempt that would fail again: out of reach from this place, or anywhere if a device failed."""
+        """Notes attempts that would fail again: out of reach from this place or any, or whatever a device is for."""
         agent, target, place = step.arguments[skill.agent], None, None
+        robot = robot_of(self._view, agent)
+        if missing := failure.values.get("out_of_reach", ()):
+            for thing in missing:
+                self._reasons[thing] = self._reasons[step.arguments[skill.target]]
+                self.ruled_out[None, robot, thing, None] = RuledOut(None, robot, thing, None, failure.reason)
+            return
         if failure.is_out_of_reach:
             target = step.arguments[skill.target]
-            robot = robot_of(self._view, agent)
             placement = self._view.placement(robot) if self._view.has(robot) else None
             place = placement.place if placement is not None else None
         ruled_out = RuledOut(step.skill, agent, target, place, failure.reason)
@@ -135,7 +140,8 @@ class TaskRecord:
     def is_ruled_out(self, step: Step, skill: SkillDescription) -> bool:
         """Returns whether a step is one of the attempts that failed for good, wherever the robot was."""
         agent, target = step.arguments[skill.agent], step.arguments.get(skill.target)
-        return any(one.is_of(step.skill, agent, target) for one in self.ruled_out.values())
+        agents = (agent, robot_of(self._view, agent))
+        return any(one.is_of(step.skill, agents, target) for one in self.ruled_out.values())
 
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""

@@ -8,6 +8,7 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.errors import PlanningError
 from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.planning.plan import Plan
 from skiros_py.skills.outcome import OBSTRUCTED, Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -47,9 +48,32 @@ TRYING = (
 )
 
 
+class Go(Primitive[Any]):
+    """Notes what the next steps are about; fails where that is what it cannot reach."""
+
+    name: ClassVar[str] = "go"
+    ahead: ClassVar[list[frozenset[str]]] = []
+    out_of_reach: ClassVar[set[str]] = set()
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        robot: str = param("sk:Robot", "Who goes.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        self.ahead.append(self.context.ahead)
+        missing = sorted(self.out_of_reach & self.context.ahead)
+        return Failure("it is too far away", values={"cause": "reach", "out_of_reach": missing}) if missing else Success()
+
+
+GOING = (pretend(DRIVE, Sequence.of(Do.of("go", robot=P("Robot")), AssertEffects(0.02))), pretend(PICK), pretend(PLACE))
+
+
 @pytest.fixture(autouse=True)
 def _forget() -> None:
     Try.clumsy.clear()
+    Go.ahead.clear()
+    Go.out_of_reach.clear()
 
 
 def trying(world: World, **clumsy: int) -> Bench:
@@ -392,3 +416,25 @@ def test_a_step_whose_skill_runs_already_waits_and_says_so_once_and_the_plan_is_
 
         assert not busy.done
         assert bench.cycle.run(task).reached
+
+
+def test_a_step_knows_what_the_next_steps_are_about_up_to_the_next_one_like_it() -> None:
+    with Bench(tiny_world(), GOING, (Go,)) as bench:
+        assert bench.pursue("In(ball_1, slot_1)", "In(red_ball_1, slot_2)").reached
+
+        (plan,) = bench.plans
+    assert isinstance(plan.outcome, Plan)
+    steps = plan.outcome.steps
+    drives = [number for number, step in enumerate(steps) if step.skill == "drive"]
+    for ahead, first, end in zip(Go.ahead, drives, [*drives[1:], len(steps)], strict=True):
+        assert ahead == {value for step in steps[first + 1 : end] for value in step.arguments.values()}
+
+
+def test_what_a_step_says_is_out_of_reach_is_left_out_at_once_and_the_rest_is_done() -> None:
+    Go.out_of_reach.add("ball_1")
+    with Bench(tiny_world(), GOING, (Go,)) as bench:
+        report = bench.pursue("In(ball_1, slot_1)", "In(red_ball_1, slot_2)")
+
+    assert [step.reason for step in report.steps].count("it is too far away") == 1
+    assert [c.believed for c in report.conditions] == [False, True]
+    assert report.conditions[0].reason == "it is too far away"

@@ -15,6 +15,7 @@ from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import SEEN, Checker, CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.free_moves import FreeMoves, KeptPaths
 from skiros_py.motion.pinocchio.lines import Lines
+from skiros_py.motion.pinocchio.reaching import reached_from
 from skiros_py.motion.pinocchio.route_search import Chain, Postures, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
 from skiros_py.motion.voxels import VoxelMap, things
@@ -30,6 +31,8 @@ from skiros_py.ports.motion import (
     MotionRequest,
     NoMotion,
     Obstacle,
+    Reached,
+    ReachRequest,
     Refusal,
     SamplingPlanner,
     Trajectory,
@@ -126,6 +129,23 @@ class ArmMotion:
         faults = (checker.fault(posture) for posture in (*check.positions[::_CHECKED], check.positions[-1]))
         fault = next((fault for fault in faults if fault is not None), None)
         return None if fault is None else NoMotion.because(fault.cause, fault.reason)
+
+    def reach(self, request: ReachRequest) -> tuple[Reached, ...]:
+        """Returns what is reached from each base that was looked at.
+
+        Raises:
+            UnknownName: The robot has no such arm.
+        """
+        arm, found = self._arm(request.device), list[Reached]()
+        solver, pairs = self._solvers[request.device], self._self_pairs[request.device]
+        left = request.enough
+        for base in request.bases:
+            scene = CollisionScene(arm, pairs, base, request.obstacles, request.held, request.gap)
+            found.append(reached_from(arm, solver, scene, base, request))
+            left -= None not in found[-1]
+            if left <= 0:
+                break
+        return tuple(found)
 
     def _arm(self, name: str) -> ArmModel:
         if name not in self._arms:
