@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.messages import Message
@@ -51,7 +52,9 @@ def review_obstacles(context: RunContext, author: str, view: DepthView) -> None:
             before = np.subtract(*reversed(one.solid.bounds()))
             if np.prod(high - low) < _SMALLER * np.prod(before):
                 box = {"kind": "box", "size": (high - low).tolist(), "at": ((low + high) / 2.0).tolist()}
-                with context.world.transaction(author=author, reason=Message("a picture sees through some")) as tx:
+                with context.world.transaction(
+                    author=author, reason=Message("a picture sees through some of it")
+                ) as tx:
                     tx.set(one.id, v.SOLID, json.dumps([box]))
 
 
@@ -65,7 +68,7 @@ def _points(solid: Solid) -> Array:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _seen_through(view: DepthView, points: Array) -> Array:
+def _seen_through(view: DepthView, points: Array) -> NDArray[np.bool_]:
     """Returns which points in the map are in a picture and in front of what it shows."""
     k = view.intrinsics
     x, y, z = view.camera_pose.inverse().apply(points).T

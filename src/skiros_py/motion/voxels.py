@@ -190,12 +190,12 @@ def _distances(points: Array, block: Primitive) -> Array:
 
 def _top(pose: Pose, block: Primitive) -> float:
     """Returns the height of the highest point of a block at a pose in the map [m]."""
-    x, y, z = pose.matrix()[2, :3]
+    x, y, z = pose.matrix()[2, :3].tolist()
     if block.kind == "box":
         length, width, height = block.size
-        return pose.position[2] + (abs(x) * length + abs(y) * width + abs(z) * height) / 2.0
+        return float(pose.position[2] + (abs(x) * length + abs(y) * width + abs(z) * height) / 2.0)
     radius, height = block.size
-    return pose.position[2] + math.hypot(x, y) * radius + abs(z) * height / 2.0
+    return float(pose.position[2] + math.hypot(x, y) * radius + abs(z) * height / 2.0)
 
 
 def things(voxels: Voxels) -> Iterator[tuple[Pose, Solid]]:
