@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from skiros_py.geometry import Array
 
+_ENOUGH = 1.25
+"""Share of the greatest effort that may be asked for: more than all of it, or a motor that pushes would tremble."""
 _LEARNING = 0.5
 """Share of what a step lacked of its velocity that the next one adds to what it asks for."""
 
@@ -39,10 +41,10 @@ class Motors:
         self._velocities = np.zeros(0, np.intp)
         self._inertias = np.zeros(0)  # what each moves, in the position in which the model begins
         # Rows: target position, velocity there, share of the error, greatest speed, greatest effort, one-step effort,
-        # the velocity that the last step was to reach, the share of what it lacked of that to be asked for later (none
-        # where the effort was at its limit), and what is asked for because earlier steps did not reach theirs; a column
-        # for each motor.
-        self._values: Array = np.zeros((9, 0))
+        # the velocity that the last step was to reach, the share of what it lacked of that to be asked for later, which
+        # end of its efforts it was at (-1, 0, 1), and what is asked for because earlier steps did not reach theirs; a
+        # column for each motor.
+        self._values: Array = np.zeros((10, 0))
         self._on: NDArray[np.bool_] = np.zeros(0, np.bool_)
         self.efforts: Array = np.zeros(0)
 
@@ -99,9 +101,10 @@ class Motors:
         """Sets the efforts of one of MuJoCo's steps."""
         if not self.names:
             return
-        target, velocity, gain, most, effort, pushed, expected, learnt, beyond = self._values
+        target, velocity, gain, most, effort, pushed, expected, learnt, end, beyond = self._values
         position, speed = data.qpos[self._positions], data.qvel[self._velocities]
-        beyond += learnt * (expected - speed)
+        lacking = expected - speed
+        beyond += learnt * lacking * (end * lacking <= 0.0)
         away = target + velocity * (substep * self._substep) - position
         wanted = np.minimum(np.maximum(velocity + gain * away / self._period, -most), most)
         change, needed = np.zeros(model.nv), np.zeros(model.nv)
@@ -109,11 +112,10 @@ class Motors:
         mujoco.mj_mulM(model, data, needed, change)
         force = needed[self._velocities] + data.qfrc_bias[self._velocities]
         limited = np.minimum(np.maximum(force, -effort), effort)
-        expected[:] = wanted
-        learnt[:] = _LEARNING * (self._on & (limited == force))
-        # No more is asked for than the effort suffices for: it would stay so, and press on when it shall go back.
-        surplus = (force - limited) * self._substep / self._inertias
-        beyond -= np.minimum(np.maximum(surplus, np.minimum(beyond, 0.0)), np.maximum(beyond, 0.0))
+        expected[:], learnt[:], end[:] = wanted, _LEARNING * self._on, np.sign(force - limited)
+        # Little more is asked for than the effort suffices for: it would push on when it shall go back.
+        surplus = (np.abs(force) - _ENOUGH * effort) * self._substep / self._inertias
+        beyond -= np.sign(beyond) * (force * beyond > 0.0) * np.minimum(np.maximum(surplus, 0.0), np.abs(beyond))
         applied = np.where(self._on, limited, pushed)
         data.qfrc_applied[self._velocities] = applied
         self.efforts = (self.efforts if substep else 0.0) + applied * (self._substep / self._period)
