@@ -244,6 +244,18 @@ class WorldService(Service):
         reason = reason or Message("forgets {element}", element=element)
         return self._station.elements.remove(element, seen, author, reason)
 
+    def forget_costs(
+        self, skill: str = "", robot: str = "", place: str = "", kind: str = "", author: Author = LIBRARY
+    ) -> api.Written:
+        """Deletes what was learned from runs about a skill, robot, place or class of parts; all if none is given.
+
+        It is one change; an undo restores it.
+        """
+        world = self._world
+        with editing.writing(world, author, Message("forgets what was learned from runs")) as tx:
+            forget(tx, world.snapshot(), skill=skill, robot=robot, place=place, kind=kind)
+        return editing.written(world, tx)
+
     def teach(self, new: api.NewElement, author: Author = LIBRARY) -> api.Written:
         """Adds a learned concept; its id is that of ``new`` in the result.
 
