@@ -9,6 +9,7 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import chain
 from math import prod
 
@@ -84,6 +85,16 @@ class Tally:
     times: tuple[float, ...] = ()
     failed: tuple[float, ...] = ()
 
+    @property
+    def usual(self) -> float | None:
+        """How long a successful attempt takes [s]; None if unknown."""
+        return _median(self.times)
+
+    @property
+    def lost(self) -> float | None:
+        """How long a failed attempt takes [s]; None if unknown."""
+        return _median(self.failed)
+
     def after(self, seconds: float, *, is_success: bool) -> Tally:
         """Returns the tally after a further attempt."""
         successes, failures = FORGETTING * self.successes, FORGETTING * self.failures
@@ -92,31 +103,41 @@ class Tally:
         return Tally(successes, failures + 1.0, self.times, (*self.failed, seconds)[-KEPT:])
 
 
-@dataclass(slots=True)
+@dataclass(eq=False)
 class Pool:
     """The records of several cases, as they are stored, read as far as they are needed."""
 
     said: list[Mapping[str, Value]]
 
-    @property
+    @cached_property
     def successes(self) -> float:
         """How many attempts succeeded."""
         return sum(_number(one.get(SUCCESSES), one.get(RUN_TIMES)) for one in self.said)
 
-    @property
+    @cached_property
     def failures(self) -> float:
         """How many failed."""
         return sum(_number(one.get(FAILURES), ()) for one in self.said)
 
-    @property
+    @cached_property
     def times(self) -> tuple[float, ...]:
         """Durations of the last successful ones [s]."""
         return tuple(chain.from_iterable(_times(one.get(RUN_TIMES)) for one in self.said))
 
-    @property
+    @cached_property
     def failed(self) -> tuple[float, ...]:
         """Durations of the last failed ones [s]."""
         return tuple(chain.from_iterable(_times(one.get(FAILED_TIMES)) for one in self.said))
+
+    @cached_property
+    def usual(self) -> float | None:
+        """How long a successful attempt takes [s]; None if unknown."""
+        return _median(self.times)
+
+    @cached_property
+    def lost(self) -> float | None:
+        """How long a failed attempt takes [s]; None if unknown."""
+        return _median(self.failed)
 
 
 def _times(value: Value | None) -> tuple[float, ...]:
@@ -144,8 +165,8 @@ def estimated(tallies: Sequence[Tally | Pool], declared: float | None) -> Estima
     rate = EXPECTED
     for tally in tallies:
         rate = (WEIGHT * rate + tally.successes) / (WEIGHT + tally.successes + tally.failures)
-    seconds = _median(tally.times for tally in reversed(tallies))
-    lost = _median(tally.failed for tally in reversed(tallies))
+    seconds = next((tally.usual for tally in reversed(tallies) if tally.usual is not None), None)
+    lost = next((tally.lost for tally in reversed(tallies) if tally.lost is not None), None)
     seconds = declared if seconds is None else seconds
     if seconds is None:
         seconds = lost
@@ -155,10 +176,8 @@ def estimated(tallies: Sequence[Tally | Pool], declared: float | None) -> Estima
     return Estimate(seconds + (1.0 / rate - 1.0) * (seconds if lost is None else lost), rate)
 
 
-def _median(found: Iterator[tuple[float, ...]]) -> float | None:
-    """Returns the median of the first times that are not empty."""
-    times = next(filter(None, found), None)
-    return None if times is None else statistics.median(times)
+def _median(times: tuple[float, ...]) -> float | None:
+    return statistics.median(times) if times else None
 
 
 class Experience:
@@ -194,7 +213,10 @@ class Experience:
             found = self._pools[skill] = {}
             for element in self._records.get(skill, ()):
                 for level in _levels(read_case(element)):
-                    found.setdefault(level, Pool([])).said.append(element.properties)
+                    pool = found.get(level)
+                    if pool is None:
+                        pool = found[level] = Pool([])
+                    pool.said.append(element.properties)
         return self._pools[skill]
 
 

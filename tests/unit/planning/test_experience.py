@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -73,10 +75,13 @@ def test_a_further_success_raises_the_chance_and_a_further_failure_lowers_it(run
     for seconds, well in runs:
         tally = tally.after(seconds, is_success=well)
     now, better, worse = (
-        estimated((one,), 20.0) for one in (tally, tally.after(5.0, is_success=True), tally.after(5.0, is_success=False))
+        estimated((one,), 20.0)
+        for one in (tally, tally.after(5.0, is_success=True), tally.after(5.0, is_success=False))
     )
 
-    assert now is not None and better is not None and worse is not None
+    assert now is not None
+    assert better is not None
+    assert worse is not None
     assert worse.chance <= now.chance
     assert worse.chance < better.chance
 
@@ -160,7 +165,8 @@ def test_records_of_earlier_versions_count_for_all_robots_of_the_class() -> None
 
 
 @pytest.mark.parametrize(
-    ("of", "left"), [({"place": "box_a"}, 1), ({"skill": "drive", "robot": "robot_1"}, 0), ({"robot": "other"}, 2), ({}, 0)]
+    ("of", "left"),
+    [({"place": "box_a"}, 1), ({"skill": "drive", "robot": "robot_1"}, 0), ({"robot": "other"}, 2), ({}, 0)],
 )
 def test_what_was_learned_is_forgotten_by_what_it_is_of(of: Mapping[str, str], left: int) -> None:
     world = tiny_world()
@@ -295,3 +301,10 @@ def test_after_forgetting_the_next_plan_is_as_before_learning(fast_downward: Pla
 
     assert used(learned, "Box") != {usual}
     assert (after.steps, after.seconds, after.chance) == (before.steps, before.seconds, before.chance)
+
+
+def test_the_how_to_runs_as_it_is_written() -> None:
+    page = Path(__file__).parents[3] / "docs" / "how-to" / "learned-costs.md"
+    (block,) = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+    exec(block, {})

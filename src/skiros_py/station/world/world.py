@@ -13,6 +13,7 @@ from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import FileError, Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.messages import Message, joined
+from skiros_py.planning.experience import forget
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed
 from skiros_py.station.scenes.loading import shown
 from skiros_py.station.world import editing
