@@ -7,7 +7,7 @@ persist with the world, are journalled, and can be inspected and deleted like al
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
@@ -188,6 +188,7 @@ class Experience:
     """
 
     def __init__(self, view: WorldView) -> None:
+        self._view = view
         self._records: dict[str, list[Element]] = {}
         for element in records(view):
             self._records.setdefault(str(element.properties.get(OF_SKILL)), []).append(element)
@@ -212,11 +213,16 @@ class Experience:
         if skill not in self._pools:
             found = self._pools[skill] = {}
             for element in self._records.get(skill, ()):
-                for level in _levels(read_case(element)):
+                said = element.properties
+                class_, robot = str(said.get(APPLIES_TO, "")), str(said.get(OF_ROBOT, ""))
+                levels: Iterable[tuple[str, ...]] = ((skill, class_),)
+                if robot and self._view.has(robot):  # of others, only what they have in common is ever asked for
+                    levels = _levels(read_case(element))
+                for level in levels:
                     pool = found.get(level)
                     if pool is None:
                         pool = found[level] = Pool([])
-                    pool.said.append(element.properties)
+                    pool.said.append(said)
         return self._pools[skill]
 
 

@@ -35,6 +35,7 @@ from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.element import Value
 from skiros_py.world.world import World
 
 DECLARED = replace(DRIVE, duration=20.0)
@@ -155,7 +156,7 @@ def test_what_is_unknown_at_one_place_is_taken_from_the_others() -> None:
 
 def test_records_of_earlier_versions_count_for_all_robots_of_the_class() -> None:
     world = tiny_world()
-    old = {"sk:ofSkill": "drive", "sk:appliesTo": "sk:Base", "sk:runTimes": (7.0, 8.0, 9.0)}
+    old: dict[str, Value] = {"sk:ofSkill": "drive", "sk:appliesTo": "sk:Base", "sk:runTimes": (7.0, 8.0, 9.0)}
     with world.transaction("test", "an earlier version") as tx:
         tx.add("sk:LearnedDuration", "drive by sk:Base", None, old, learned=True)
 
