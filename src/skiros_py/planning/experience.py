@@ -327,8 +327,10 @@ def observe(
     learned: dict[str, Value] = {SUCCESSES: tally.successes, FAILURES: tally.failures}
     learned |= {RUN_TIMES: tally.times} if tally.times else {}
     learned |= {FAILED_TIMES: tally.failed} if tally.failed else {}
-    how = "{skill} took {seconds:.2f} s" if is_success else "{skill} failed after {seconds:.2f} s"
-    with world.transaction(author="task manager", reason=Message(how, skill=skill.name, seconds=seconds)) as tx:
+    reason = Message("{skill} failed after {seconds:.2f} s", skill=skill.name, seconds=seconds)
+    if is_success:
+        reason = Message("{skill} took {seconds:.2f} s", skill=skill.name, seconds=seconds)
+    with world.transaction(author="task manager", reason=reason) as tx:
         if record is None:
             said: dict[str, Value] = {_FIELDS[name]: value for name, value in own.items() if value}
             label = " ".join(filter(None, (case.skill, "by", case.robot, case.kind, case.place and f"at {case.place}")))
