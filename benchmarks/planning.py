@@ -35,7 +35,7 @@ from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import Planned, plan
 from skiros_py.skills.conditions import Condition
-from skiros_py.world.element import Placement
+from skiros_py.world.element import Placement, Value
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import IN
 from skiros_skills.conditions import OBJECT_AT_LOCATION
@@ -58,6 +58,7 @@ def main() -> int:
         *_many_robots(),
         *_crowded(options.pairs),
         *_written(options.pairs),
+        *_learned(options.pairs),
         *_replanned(),
         *planning_process.figures(),
         *_agreeing(options.problems),
@@ -109,6 +110,36 @@ def _many_robots() -> list[Figure]:
     taken = statistics.median(_timed(lambda: _planned(planner, world, goal)) for _ in range(5))
     planner.close()
     return [in_steps("100 parts, 60 places, 4 robots, 10 wanted", taken, 8.3e6)]
+
+
+def _learned(pairs: int) -> list[Figure]:
+    """Three parts, in a world without learned costs and in one with a thousand, most of other robots and places."""
+    plain, learned = kitting_world(), kitting_world()
+    with learned.transaction("benchmark", "a thousand records") as tx:
+        for number in range(1000):
+            about = {"sk:ofSkill": ("drive", "pick", "place")[number % 3], "sk:ofRobot": f"robot_{number % 10 + 1}"}
+            about |= {
+                "sk:appliesTo": ("sk:Base", "sk:Arm", "sk:Arm")[number % 3],
+                "sk:atPlace": f"place_{number // 30}",
+            }
+            lasted = tuple(10.0 + (number + run) % 7 for run in range(15))
+            counts: dict[str, Value] = {"sk:runTimes": lasted, "sk:successes": 15.0, "sk:failures": 0.5}
+            tx.add("sk:LearnedDuration", f"record {number}", None, {**about, **counts}, learned=True)
+    planner = FastDownward()
+    times: dict[int, list[float]] = {id(plain): [], id(learned): []}
+    for turn in range(3 * pairs + 1):
+        for world in (plain, learned) if turn % 2 else (learned, plain):
+            taken = _timed(partial(_planned, planner, world, THREE))
+            if turn:
+                times[id(world)].append(taken)
+    planner.close()
+    without, with_records = (statistics.median(found) for found in times.values())
+    ratio = with_records / without
+    return [
+        Figure("3 parts, nothing learned", _ms(without)),
+        Figure("3 parts, 1,000 learned records", _ms(with_records)),
+        Figure("as a ratio", f"{ratio:.3f}", "<= 1.05", ratio <= 1.05, "nothing learned, same run"),
+    ]
 
 
 def _crowded(pairs: int) -> list[Figure]:

@@ -135,6 +135,7 @@ _TABLE = {
         /queries POST
         /learned POST
         /learned/import POST
+        /learned/forget POST
         /learned/{element} PATCH DELETE
         /simulation/bodies/{element} DELETE
         /simulation/bodies/{element}/pose PUT

@@ -73,6 +73,10 @@ class Preview(Told):
     """Name of the planner; empty if none was needed."""
     steps: tuple[PlannedStep, ...]
     """The plan; empty if there is none, or nothing needs to be done."""
+    seconds: float | None
+    """Expected time until all steps have succeeded [s]; null if unknown."""
+    chance: float | None
+    """Probability that all steps succeed at the first attempt; null if nothing was learned about them."""
     reasons: tuple[Sentence, ...]
     """Why there is no plan, or why planning failed."""
     causes: tuple[dict[str, Any], ...]

@@ -61,10 +61,13 @@ def command(scene: str, folder: Path | None, explain: bool, **options: Any) -> F
         "domain": files["domain.pddl"],
         "problem": files["problem.pddl"],
         "plan": files.get("plan", "").splitlines(),
+        "seconds": None if isinstance(outcome, NoPlan) else outcome.seconds,
+        "chance": None if isinstance(outcome, NoPlan) else outcome.chance,
     }
     status = NO_PLAN if reasons else REACHED
     if not explain:
-        return found, _lines(files, steps, reasons, [repair.text for repair in none.repairs]), status
+        repairs = [repair.text for repair in none.repairs]
+        return found, _lines(files, steps, reasons, repairs, found["seconds"], found["chance"]), status
     account = account_of(by_name.values(), list(texts.actions.items()))
     return {**found, "skills": [asdict(entry) for entry in account]}, _account_lines(account), status
 
@@ -99,7 +102,14 @@ def _write(folder: Path, files: dict[str, str]) -> None:
     click.echo(f"wrote {', '.join(files)} to {folder}", err=True)
 
 
-def _lines(files: dict[str, str], steps: list[str], reasons: list[str], repairs: list[str]) -> Iterator[str]:
+def _lines(
+    files: dict[str, str],
+    steps: list[str],
+    reasons: list[str],
+    repairs: list[str],
+    seconds: float | None,
+    chance: float | None,
+) -> Iterator[str]:
     for name in ("domain.pddl", "problem.pddl"):
         yield from (*files[name].split("\n"),)
     if reasons:
@@ -109,3 +119,5 @@ def _lines(files: dict[str, str], steps: list[str], reasons: list[str], repairs:
     elif not steps:
         yield "; the goal already holds: nothing to do"
     yield from (f"{number:2}. {step}" for number, step in enumerate(steps, start=1))
+    if seconds is not None and steps:
+        yield f"; expected to take {seconds:.0f} s" + ("" if chance is None else f", first-try chance {chance:.0%}")

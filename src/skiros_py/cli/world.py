@@ -22,7 +22,7 @@ from skiros_py.world.element import Element
 from skiros_py.world.journal.records import Entry
 from skiros_py.world.literals import format_value
 from skiros_py.world.scene.files import describe, write_atomically
-from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
+from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT, LEARNED_DURATION
 
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import History, Shown
@@ -177,7 +177,19 @@ def list_learned(data: Path) -> Found:
 
 def _learned_line(element: Element) -> str:
     about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
-    return f"{element.id} ({element.type}) '{element.label}'{about}"
+    return f"{element.id} ({element.type}) '{element.label}'{about}{_rate(element)}"
+
+
+def _rate(element: Element) -> str:
+    """Returns what was learned from runs: how often it succeeds, and how long it takes."""
+    if element.type != LEARNED_DURATION:
+        return ""
+    from skiros_py.planning.experience import estimated, read_tally
+
+    tally = read_tally(element)
+    found = estimated((tally,), None)
+    time = "" if found is None else f", {found.seconds:.1f} s until it succeeds"
+    return f": {tally.successes:.1f} of {tally.successes + tally.failures:.1f} succeed{time}"
 
 
 _LABEL = click.option("--label", metavar="TEXT", help="Its label.")
@@ -266,6 +278,19 @@ def forget(concept: str, data: Path, author: str) -> Found:
     with present_world(data) as world:
         change = world.forget(concept, author)
     return change.as_json(), [f"change {change.number}: {change.reason}"]
+
+
+@reports("world learned forget-runs --robot robot_1 --data run/data", learned)
+@click.option("--skill", default="", metavar="NAME", help="Only what was learned about this skill.")
+@click.option("--robot", default="", metavar="ID", help="Only about this robot.")
+@click.option("--place", default="", metavar="ID", help="Only about this place.")
+@click.option("--type", "kind", default="", metavar="CLASS", help="Only about parts of this class.")
+@DATA
+@AUTHOR
+def forget_runs(data: Path, author: str, **of: str) -> Found:
+    """Deletes the durations and success rates learned from runs; skiros world undo restores them."""
+    with present_world(data) as world:
+        return _changed(world.forget_runs(of, author))
 
 
 @learned.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")

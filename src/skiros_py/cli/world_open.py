@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import UnknownName
+from skiros_py.messages import Message
+from skiros_py.planning.experience import forget
 from skiros_py.station.scenes.scenes import scene_only
 from skiros_py.station.world.editing import add, change
 from skiros_py.world.change import Change, Writer
@@ -99,6 +101,12 @@ class OpenWorld:
         with self._write(author, f"forgets {concept}") as tx:
             tx.remove(concept)
         assert tx.change is not None
+        return tx.change
+
+    def forget_runs(self, of: Mapping[str, str], author: str) -> Change | None:
+        """Deletes what was learned from runs; None if there is nothing."""
+        with self._write(author, Message("forgets what was learned from runs")) as tx:
+            forget(tx, self._world.snapshot(), **of)
         return tx.change
 
     def teach(self, new: NewElement, author: str) -> Change | None:

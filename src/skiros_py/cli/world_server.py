@@ -78,6 +78,11 @@ class ServedWorld:
         assert change is not None
         return change
 
+    def forget_runs(self, of: Mapping[str, str], author: str) -> Change | None:
+        """Deletes what was learned from runs; None if there is nothing."""
+        self._write_as(author)
+        return self._written(self._client.learned.forget_runs(**of))
+
     def teach(self, new: NewElement, author: str) -> Change | None:
         """Adds a learned concept."""
         self._write_as(author)

@@ -7,8 +7,10 @@ persist with the world, are journalled, and can be inspected and deleted like al
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
 from math import prod
 
 from skiros_py.messages import Message
@@ -83,6 +85,16 @@ class Tally:
     times: tuple[float, ...] = ()
     failed: tuple[float, ...] = ()
 
+    @property
+    def usual(self) -> float | None:
+        """How long a successful attempt takes [s]; None if unknown."""
+        return _median(self.times)
+
+    @property
+    def lost(self) -> float | None:
+        """How long a failed attempt takes [s]; None if unknown."""
+        return _median(self.failed)
+
     def after(self, seconds: float, *, is_success: bool) -> Tally:
         """Returns the tally after a further attempt."""
         successes, failures = FORGETTING * self.successes, FORGETTING * self.failures
@@ -90,17 +102,56 @@ class Tally:
             return Tally(successes + 1.0, failures, (*self.times, seconds)[-KEPT:], self.failed)
         return Tally(successes, failures + 1.0, self.times, (*self.failed, seconds)[-KEPT:])
 
-    def __add__(self, other: Tally) -> Tally:
-        """Both together."""
-        return Tally(
-            self.successes + other.successes,
-            self.failures + other.failures,
-            self.times + other.times,
-            self.failed + other.failed,
-        )
+
+@dataclass(eq=False)
+class Pool:
+    """The records of several cases, as they are stored, read as far as they are needed."""
+
+    said: list[Mapping[str, Value]]
+
+    @cached_property
+    def successes(self) -> float:
+        """How many attempts succeeded."""
+        return sum(_number(one.get(SUCCESSES), one.get(RUN_TIMES)) for one in self.said)
+
+    @cached_property
+    def failures(self) -> float:
+        """How many failed."""
+        return sum(_number(one.get(FAILURES), ()) for one in self.said)
+
+    @cached_property
+    def times(self) -> tuple[float, ...]:
+        """Durations of the last successful ones [s]."""
+        return tuple(chain.from_iterable(_times(one.get(RUN_TIMES)) for one in self.said))
+
+    @cached_property
+    def failed(self) -> tuple[float, ...]:
+        """Durations of the last failed ones [s]."""
+        return tuple(chain.from_iterable(_times(one.get(FAILED_TIMES)) for one in self.said))
+
+    @cached_property
+    def usual(self) -> float | None:
+        """How long a successful attempt takes [s]; None if unknown."""
+        return _median(self.times)
+
+    @cached_property
+    def lost(self) -> float | None:
+        """How long a failed attempt takes [s]; None if unknown."""
+        return _median(self.failed)
 
 
-def estimated(tallies: Iterator[Tally] | tuple[Tally, ...], declared: float | None) -> Estimate | None:
+def _times(value: Value | None) -> tuple[float, ...]:
+    return value if isinstance(value, tuple) else ()
+
+
+def _number(value: Value | None, times: object) -> float:
+    """Returns a count; that of the times in records of earlier versions."""
+    if isinstance(value, (int, float)):
+        return float(value)
+    return float(len(times)) if isinstance(times, tuple) else 0.0
+
+
+def estimated(tallies: Sequence[Tally | Pool], declared: float | None) -> Estimate | None:
     """Estimates duration and success rate from attempts.
 
     Args:
@@ -111,17 +162,22 @@ def estimated(tallies: Iterator[Tally] | tuple[Tally, ...], declared: float | No
     Returns:
         The estimate; None if there is nothing to estimate a duration from.
     """
-    rate, seconds, lost = EXPECTED, declared, None
+    rate = EXPECTED
     for tally in tallies:
         rate = (WEIGHT * rate + tally.successes) / (WEIGHT + tally.successes + tally.failures)
-        seconds = statistics.median(tally.times) if tally.times else seconds
-        lost = statistics.median(tally.failed) if tally.failed else lost
+    seconds = next((tally.usual for tally in reversed(tallies) if tally.usual is not None), None)
+    lost = next((tally.lost for tally in reversed(tallies) if tally.lost is not None), None)
+    seconds = declared if seconds is None else seconds
     if seconds is None:
         seconds = lost
     if seconds is None:
         return None
     rate = max(rate, _LEAST)
     return Estimate(seconds + (1.0 / rate - 1.0) * (seconds if lost is None else lost), rate)
+
+
+def _median(times: tuple[float, ...]) -> float | None:
+    return statistics.median(times) if times else None
 
 
 class Experience:
@@ -132,18 +188,15 @@ class Experience:
     """
 
     def __init__(self, view: WorldView) -> None:
-        self._tallies: dict[tuple[str, ...], Tally] = {}
-        self._skills: set[str] = set()
+        self._view = view
+        self._records: dict[str, list[Element]] = {}
         for element in records(view):
-            case, tally = read(element)
-            self._skills.add(case.skill)
-            for level in _levels(case):
-                known = self._tallies.get(level)
-                self._tallies[level] = tally if known is None else known + tally
+            self._records.setdefault(str(element.properties.get(OF_SKILL)), []).append(element)
+        self._pools: dict[str, dict[tuple[str, ...], Pool]] = {}
 
     def __contains__(self, skill: str) -> bool:
         """Whether anything is known about a skill."""
-        return skill in self._skills
+        return skill in self._records
 
     def of(self, case: Case, declared: float | None) -> Estimate | None:
         """Estimates duration and success rate of a case; None if the duration is unknown.
@@ -152,8 +205,25 @@ class Experience:
             case: The case.
             declared: Duration as declared by the author [s].
         """
-        found = (self._tallies.get(level) for level in _levels(case))
-        return estimated((tally for tally in found if tally is not None), declared)
+        known = self._of_skill(case.skill)
+        return estimated([known[level] for level in _levels(case) if level in known], declared)
+
+    def _of_skill(self, skill: str) -> dict[tuple[str, ...], Pool]:
+        """Returns the records of a skill by what they count for; they are grouped when first needed."""
+        if skill not in self._pools:
+            found = self._pools[skill] = {}
+            for element in self._records.get(skill, ()):
+                said = element.properties
+                class_, robot = str(said.get(APPLIES_TO, "")), str(said.get(OF_ROBOT, ""))
+                levels: Iterable[tuple[str, ...]] = ((skill, class_),)
+                if robot and self._view.has(robot):  # of others, only what they have in common is ever asked for
+                    levels = _levels(read_case(element))
+                for level in levels:
+                    pool = found.get(level)
+                    if pool is None:
+                        pool = found[level] = Pool([])
+                    pool.said.append(said)
+        return self._pools[skill]
 
 
 def _levels(case: Case) -> Iterator[tuple[str, ...]]:
@@ -189,13 +259,16 @@ def records(view: WorldView, **of: str) -> list[Element]:
 _FIELDS = {"skill": OF_SKILL, "robot": OF_ROBOT, "agent_class": APPLIES_TO, "place": AT_PLACE, "kind": PART_TYPE}
 
 
-def read(element: Element) -> tuple[Case, Tally]:
-    """Reads a record."""
+def read_case(element: Element) -> Case:
+    """Returns what a record is of."""
     said = element.properties
-    case = Case(**{name: str(said.get(property_, "")) for name, property_ in _FIELDS.items()})
-    times, failed = (v if isinstance(v := said.get(one), tuple) else () for one in (RUN_TIMES, FAILED_TIMES))
-    successes, failures = said.get(SUCCESSES, len(times)), said.get(FAILURES, 0)
-    return case, Tally(float(str(successes)), float(str(failures)), times, failed)
+    return Case(*(str(said.get(property_, "")) for property_ in _FIELDS.values()))
+
+
+def read_tally(element: Element) -> Tally:
+    """Returns the attempts of a record."""
+    pool = Pool([element.properties])
+    return Tally(pool.successes, pool.failures, pool.times, pool.failed)
 
 
 def forget(tx: Transaction, view: WorldView, **of: str) -> int:
@@ -220,6 +293,7 @@ def observe(
     seconds: float,
     *,
     is_success: bool = True,
+    known: dict[Case, str] | None = None,
 ) -> None:
     """Learns from an attempt; ignores those that took no time, or whose agent is gone.
 
@@ -230,6 +304,7 @@ def observe(
         arguments: Element id by parameter key.
         seconds: How long it took [s].
         is_success: Whether it succeeded.
+        known: Ids of records that were found before, which is faster than looking for them; it is updated.
     """
     if seconds <= 0.0 or not world.has(agent):
         return
@@ -243,20 +318,27 @@ def observe(
         classes.get(part, ""),
     )
     own = {name: getattr(case, name) for name in _FIELDS}
-    known = next((e for e in records(world, **own) if read(e)[0] == case), None)
-    tally = (Tally() if known is None else read(known)[1]).after(seconds, is_success=is_success)
+    ids = {} if known is None else known
+    if case in ids and world.has(ids[case]):
+        record: Element | None = world.element(ids[case])
+    else:
+        record = next((e for e in records(world, **own) if read_case(e) == case), None)
+    tally = (Tally() if record is None else read_tally(record)).after(seconds, is_success=is_success)
     learned: dict[str, Value] = {SUCCESSES: tally.successes, FAILURES: tally.failures}
     learned |= {RUN_TIMES: tally.times} if tally.times else {}
     learned |= {FAILED_TIMES: tally.failed} if tally.failed else {}
-    how = "{skill} took {seconds:.2f} s" if is_success else "{skill} failed after {seconds:.2f} s"
-    with world.transaction(author="task manager", reason=Message(how, skill=skill.name, seconds=seconds)) as tx:
-        if known is None:
+    reason = Message("{skill} failed after {seconds:.2f} s", skill=skill.name, seconds=seconds)
+    if is_success:
+        reason = Message("{skill} took {seconds:.2f} s", skill=skill.name, seconds=seconds)
+    with world.transaction(author="task manager", reason=reason) as tx:
+        if record is None:
             said: dict[str, Value] = {_FIELDS[name]: value for name, value in own.items() if value}
             label = " ".join(filter(None, (case.skill, "by", case.robot, case.kind, case.place and f"at {case.place}")))
-            tx.add(LEARNED_DURATION, label, None, said | learned, learned=True)
+            ids[case] = tx.add(LEARNED_DURATION, label, None, said | learned, learned=True)
         else:
+            ids[case] = record.id
             for name, value in learned.items():
-                tx.set(known.id, name, value)
+                tx.set(record.id, name, value)
 
 
 def place_and_part(skill: SkillDescription, ontology: Ontology) -> tuple[str, str]:

@@ -8,7 +8,7 @@ from itertools import count
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.runtime import Runtime
 from skiros_py.messages import Message, joined
-from skiros_py.planning.experience import observe
+from skiros_py.planning.experience import Case, observe
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import Capability
@@ -221,13 +221,14 @@ class TaskManager:
 
 def learn_costs(tasks: TaskManager, runtime: Runtime) -> None:
     """Learns from how steps end; for real and simulated cells, not for fake devices."""
+    known: dict[Case, str] = {}
 
     def learn(run: StepRun, outcome: Outcome) -> None:
         skill = tasks.skills.get(run.step.skill)
-        is_failed = isinstance(outcome, Failure)
-        if skill is not None and not (is_failed and outcome.code == CANCELLED):
-            seconds = runtime.context.board.now - run.start
-            observe(runtime.world, skill, run.agent, run.step.arguments, seconds, is_success=not is_failed)
+        is_cancelled = isinstance(outcome, Failure) and outcome.code == CANCELLED
+        if skill is not None and not is_cancelled:
+            seconds, is_success = runtime.context.board.now - run.start, not isinstance(outcome, Failure)
+            observe(runtime.world, skill, run.agent, run.step.arguments, seconds, is_success=is_success, known=known)
 
     def follow(task: TaskHandle) -> None:
         task.after_step(learn)

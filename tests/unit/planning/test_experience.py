@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -33,6 +35,7 @@ from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny import AT_LOCATION, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.element import Value
 from skiros_py.world.world import World
 
 DECLARED = replace(DRIVE, duration=20.0)
@@ -73,10 +76,13 @@ def test_a_further_success_raises_the_chance_and_a_further_failure_lowers_it(run
     for seconds, well in runs:
         tally = tally.after(seconds, is_success=well)
     now, better, worse = (
-        estimated((one,), 20.0) for one in (tally, tally.after(5.0, is_success=True), tally.after(5.0, is_success=False))
+        estimated((one,), 20.0)
+        for one in (tally, tally.after(5.0, is_success=True), tally.after(5.0, is_success=False))
     )
 
-    assert now is not None and better is not None and worse is not None
+    assert now is not None
+    assert better is not None
+    assert worse is not None
     assert worse.chance <= now.chance
     assert worse.chance < better.chance
 
@@ -150,7 +156,7 @@ def test_what_is_unknown_at_one_place_is_taken_from_the_others() -> None:
 
 def test_records_of_earlier_versions_count_for_all_robots_of_the_class() -> None:
     world = tiny_world()
-    old = {"sk:ofSkill": "drive", "sk:appliesTo": "sk:Base", "sk:runTimes": (7.0, 8.0, 9.0)}
+    old: dict[str, Value] = {"sk:ofSkill": "drive", "sk:appliesTo": "sk:Base", "sk:runTimes": (7.0, 8.0, 9.0)}
     with world.transaction("test", "an earlier version") as tx:
         tx.add("sk:LearnedDuration", "drive by sk:Base", None, old, learned=True)
 
@@ -160,7 +166,8 @@ def test_records_of_earlier_versions_count_for_all_robots_of_the_class() -> None
 
 
 @pytest.mark.parametrize(
-    ("of", "left"), [({"place": "box_a"}, 1), ({"skill": "drive", "robot": "robot_1"}, 0), ({"robot": "other"}, 2), ({}, 0)]
+    ("of", "left"),
+    [({"place": "box_a"}, 1), ({"skill": "drive", "robot": "robot_1"}, 0), ({"robot": "other"}, 2), ({}, 0)],
 )
 def test_what_was_learned_is_forgotten_by_what_it_is_of(of: Mapping[str, str], left: int) -> None:
     world = tiny_world()
@@ -295,3 +302,10 @@ def test_after_forgetting_the_next_plan_is_as_before_learning(fast_downward: Pla
 
     assert used(learned, "Box") != {usual}
     assert (after.steps, after.seconds, after.chance) == (before.steps, before.seconds, before.chance)
+
+
+def test_the_how_to_runs_as_it_is_written() -> None:
+    page = Path(__file__).parents[3] / "docs" / "how-to" / "learned-costs.md"
+    (block,) = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+    exec(block, {})

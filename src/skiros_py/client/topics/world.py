@@ -325,6 +325,24 @@ class Learned(Topic[C]):
             reason: Why.
         """
 
+    @operation("POST /learned/forget", once=True)
+    def forget_runs(
+        self,
+        *,
+        skill: str | None = None,
+        robot: str | None = None,
+        place: str | None = None,
+        kind: str | None = None,
+    ) -> world.Written:
+        """Deletes what was learned from runs; an undo restores it.
+
+        Args:
+            skill: Only about this skill.
+            robot: Only about this robot.
+            place: Only about this place.
+            kind: Only about parts of this class.
+        """
+
     @operation("GET /learned.ttl")
     def export(self) -> str:
         """Returns all learned data as Turtle text."""

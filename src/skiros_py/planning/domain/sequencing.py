@@ -288,7 +288,10 @@ class _LearnedCostWriter(_CostWriter):
     """
 
     def __init__(
-        self, task: PlanningTask, name: str, tables: Mapping[str, tuple[tuple[str, ...], Mapping[tuple[str, ...], float]]]
+        self,
+        task: PlanningTask,
+        name: str,
+        tables: Mapping[str, tuple[tuple[str, ...], Mapping[tuple[str, ...], float]]],
     ) -> None:
         super().__init__(task.domain, task.problem, name)
         self._tables = tables

@@ -175,6 +175,8 @@ def _tag(act: Act, version: int | None) -> None:
 
 learned_router = topic_router("learned")
 
+Name = Annotated[str, Query(max_length=300)]
+
 
 @learned_router.get("/learned")
 def list_learned(act: Viewer, limit: Limit = 100, cursor: Cursor = None) -> api.LearnedPage:
@@ -214,6 +216,22 @@ def import_concepts(
         replace: Replace concepts that are different here, with their parts and relations; else they are refused.
     """
     return act.station.world.import_learned(sent, act.author, reason, replace=replace)
+
+
+@learned_router.post("/learned/forget")
+def forget_costs(act: Engineer, skill: Name = "", robot: Name = "", place: Name = "", kind: Name = "") -> api.Written:
+    """Forget what was learned from runs.
+
+    Deletes what was learned about durations and success rates, as one change that an undo reverts; the next plan does
+    not consider it. Taught concepts are kept.
+
+    Parameters:
+        skill: Only about this skill.
+        robot: Only about this robot.
+        place: Only about this place.
+        kind: Only about parts of this class.
+    """
+    return act.station.world.forget_costs(skill, robot, place, kind, act.author)
 
 
 @learned_router.patch("/learned/{element}", responses=NEEDS_VERSION)

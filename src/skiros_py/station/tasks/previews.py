@@ -191,6 +191,8 @@ def _shown(preview: _Preview) -> api.Preview:
         wall=None if planned is None else planned.wall,
         planner="" if planned is None else planned.planner,
         steps=() if plan is None else planned_steps(plan),
+        seconds=None if plan is None else plan.seconds,
+        chance=None if plan is None else plan.chance,
         reasons=((preview.fault,) if preview.fault else ()) if none is None else none.reasons,
         causes=() if none is None else tuple(cause.as_json() for cause in none.causes),
         repairs=tuple(

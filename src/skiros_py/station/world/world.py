@@ -13,6 +13,7 @@ from skiros_py.api.transactions import TransactionOrder
 from skiros_py.api.view import WorldView
 from skiros_py.errors import FileError, Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.messages import Message, joined
+from skiros_py.planning.experience import forget
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Sent, Service, addressed
 from skiros_py.station.scenes.loading import shown
 from skiros_py.station.world import editing
@@ -243,6 +244,18 @@ class WorldService(Service):
         self._check_learned(element)
         reason = reason or Message("forgets {element}", element=element)
         return self._station.elements.remove(element, seen, author, reason)
+
+    def forget_costs(
+        self, skill: str = "", robot: str = "", place: str = "", kind: str = "", author: Author = LIBRARY
+    ) -> api.Written:
+        """Deletes what was learned from runs about a skill, robot, place or class of parts; all if none is given.
+
+        It is one change; an undo restores it.
+        """
+        world = self._world
+        with editing.writing(world, author, Message("forgets what was learned from runs")) as tx:
+            forget(tx, world.snapshot(), skill=skill, robot=robot, place=place, kind=kind)
+        return editing.written(world, tx)
 
     def teach(self, new: api.NewElement, author: Author = LIBRARY) -> api.Written:
         """Adds a learned concept; its id is that of ``new`` in the result.

@@ -162,6 +162,7 @@ class DataDirectory(AbstractContextManager["DataDirectory"]):
             world = World(ontology, reasoners=reasoners, past=past)
             _shorten(journal, world)
             learned.follow(world)
+            stack.callback(learned.close)
         except BaseException:
             stack.close()
             raise

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Lock
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.files import open_private
@@ -19,7 +22,7 @@ from skiros_py.world.scene.reader import Reader
 from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.world.vocabulary import ELEMENT, LEARNED_DURATION
 from skiros_py.world.world import World
 
 
@@ -106,6 +109,9 @@ class LearnedFile:
         self.path = path
         self._stale = False
         self._taken = False
+        self._guard = Lock()
+        self._writer = ThreadPoolExecutor(1, thread_name_prefix="skiros-learned")
+        self._is_due = False
 
     def read_into(self, world: World) -> None:
         """Adds the content of the file to a new world, if the file exists.
@@ -133,6 +139,10 @@ class LearnedFile:
         self._mirror(world)
         world.subscribe(lambda change: self._on_change(world, change))
 
+    def close(self) -> None:
+        """Waits until the file is up to date; later changes are not written."""
+        self._writer.shutdown()
+
     def _keep_another(self, text: str) -> None:
         """Keeps a copy of a file that was edited: it is not used, but must not be lost."""
         try:
@@ -150,10 +160,28 @@ class LearnedFile:
         )
 
     def _on_change(self, world: World, change: Change) -> None:
-        if self._stale or any(is_learned(name) for name in change.marks()):
+        names = [name for name in change.marks() if is_learned(name)]
+        view = world.snapshot()
+        if names and all(view.has(name) and view.element(name).type == LEARNED_DURATION for name in names):
+            self._mirror_later(world)  # written by the control thread, which does not wait for a disk
+        elif names or self._stale:
             self._mirror(world)
 
+    def _mirror_later(self, world: World) -> None:
+        if not self._is_due:
+            self._is_due = True
+            with contextlib.suppress(RuntimeError):  # closed
+                self._writer.submit(self._mirror_due, world)
+
+    def _mirror_due(self, world: World) -> None:
+        self._is_due = False  # before the world is read: what changes from now on is written once more
+        self._mirror(world)
+
     def _mirror(self, world: World) -> None:
+        with self._guard:
+            self._write(world)
+
+    def _write(self, world: World) -> None:
         view = world.snapshot()
         there = self.path.exists()
         if not there and not learned_names(view):
