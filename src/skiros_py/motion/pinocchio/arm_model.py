@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -39,6 +40,7 @@ class ArmModel:
         lower, upper: Joint limits [rad].
         velocity: Joint speed limits [rad/s].
         acceleration: Joint acceleration limits [rad/s²].
+        turn: A whole turn of each joint [rad]; 0 for one that slides.
         reach: Upper bound of the distance from the arm's shoulder to its tip [m].
     """
 
@@ -56,6 +58,8 @@ class ArmModel:
         self.lower: Array = np.array(self.model.lowerPositionLimit)
         self.upper: Array = np.array(self.model.upperPositionLimit)
         self.velocity: Array = np.array(self.model.velocityLimit)
+        turns = [joint.shortname().startswith("JointModelR") for joint in list(self.model.joints)[1:]]
+        self.turn: Array = math.tau * np.array(turns)
         self.acceleration: Array = np.array(arm.accelerations or [_ACCELERATION] * len(arm.joints))
         steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
         steps.append(self.model.frames[self.tip].placement.translation)
