@@ -7,9 +7,10 @@ import math
 
 import pytest
 
+from skiros_primitives.gripper import opening
 from skiros_primitives.put_down import finger_room, fitting_quarters
 from skiros_primitives.surfaces import lost_part, surfaces
-from skiros_py.devices.gripper import FINGER
+from skiros_py.devices.gripper import FINGER, GripperSpec
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.perception import Detection, DetectionResult
@@ -116,3 +117,8 @@ def test_what_is_not_recognised_is_the_lost_part_only_where_that_was_let_go() ->
     assert taken is not None
     assert taken.position == pytest.approx((0.9, 0.0, 0.21)), "so high that its top is where it is seen"
     assert taken.yaw == pytest.approx(0.3 + math.pi / 2.0), "the part is longer along y"
+
+
+@pytest.mark.parametrize(("widest", "gap"), [(0.08, 0.08), (0.14, 0.089)])
+def test_fingers_come_down_around_a_part_no_wider_open_than_needed(widest: float, gap: float) -> None:
+    assert opening(GripperSpec("gripper", ("a", "b"), "arm", widest, 60.0), 0.049) == pytest.approx(gap)
