@@ -11,7 +11,7 @@ from skiros_py.station.session import Session
 pytestmark = pytest.mark.physics
 
 
-@pytest.mark.parametrize("engine", ["pybullet"])
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
 def test_a_cell_puts_a_part_into_its_kit_without_driving(open_session: Callable[..., Session], engine: str) -> None:
     session = open_session("kitting_cell", seed=3, simulation=engine)
 

@@ -164,8 +164,8 @@ class SimulatedGripper:
         self._joints.reset([spec.max_gap / 2.0] * len(spec.joints))
         self._joints.set_surface(_PADS)
         # The real drive couples the fingers; without that they slide sideways together with the part.
-        if len(spec.joints) == _TWO:
-            self._joints.couple(ratio=1.0, effort=_COUPLING_FORCE)
+        for other in spec.joints[1:] if len(spec.joints) >= _TWO else ():
+            robot.joints((spec.joints[0], other)).couple(ratio=1.0, effort=_COUPLING_FORCE)
 
     def command(self, target: GripperTarget | None) -> None:
         """Moves to a new target; None keeps the last one, so that nothing is let go by omission."""
@@ -175,8 +175,7 @@ class SimulatedGripper:
             self._target = GripperTarget(gap, min(target.force, self.spec.max_force))
         count, force = len(self.fingers), self._target.force
         positions, efforts = [self._target.gap / 2.0] * count, [force] * count
-        if count > _TWO:
-            positions[0], efforts[0] = self._others(self._joints.read().positions), _STRONGER * force * (count - 1)
+        efforts[0] = force * max(1, count - 1)
         self._joints.hold_positions(positions, gain=_GAIN, effort=efforts, max_velocity=_SPEED)
 
     def state(self) -> GripperState:
