@@ -23,7 +23,6 @@ _COUPLING_FORCE = 200.0  # [N]
 _PADS = Surface(lateral=1.0, anchored=True)
 _STILL = 0.001  # [m/s]
 _TWO = 2
-_STRONGER = 2.0  # how much stronger the finger that opposes others is than they are together: it centres what they hold
 FINGER: Vector = (0.022, 0.015, 0.010)
 """Width of the fingers on one side, their thickness, and how far they reach beyond the tip, where none is said [m]."""
 
@@ -55,8 +54,7 @@ class GripperTarget:
 class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
     """A gripper; without a target it keeps the last one, so that nothing is let go by omission.
 
-    With two fingers, a drive couples both. With more, those beside each other adapt to what they meet, each by itself,
-    and the one that opposes them stays as far from the middle as they are.
+    One drive couples all fingers: each is as far from the middle as the others.
 
     A stop does not wait for its fingers: they keep their target.
 
@@ -164,7 +162,7 @@ class SimulatedGripper:
         self._joints.reset([spec.max_gap / 2.0] * len(spec.joints))
         self._joints.set_surface(_PADS)
         # The real drive couples the fingers; without that they slide sideways together with the part.
-        for other in spec.joints[1:] if len(spec.joints) >= _TWO else ():
+        for other in spec.joints[1:]:
             robot.joints((spec.joints[0], other)).couple(ratio=1.0, effort=_COUPLING_FORCE)
 
     def command(self, target: GripperTarget | None) -> None:
