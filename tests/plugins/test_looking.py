@@ -17,6 +17,8 @@ from skiros_py.skills.outcome import Execution, Outcome, Success
 
 POINT = (1.0, 2.0, 0.5)
 HEIGHT = 0.46
+MOUNT = Pose.of(0.07, 0.0, -0.07, yaw=math.pi / 2.0)
+"""Of a camera in front of the hand, which sees the tip at the lower edge of its pictures."""
 
 
 class Looking(LookingPrimitive):
@@ -24,16 +26,20 @@ class Looking(LookingPrimitive):
 
     name = "looking"
 
-    def __init__(self, camera: Pose = Pose(), *, holds: bool = False) -> None:  # noqa: B008 - it is frozen
+    def __init__(self, camera: Pose = Pose(), *, holds: bool = False, mount: Pose = MOUNT) -> None:  # noqa: B008 - it is frozen
         tree = SimpleNamespace(located=lambda _camera: camera)
         board, frames = SimpleNamespace(snapshot=None), SimpleNamespace(at=lambda _snapshot: tree)
-        context: Any = SimpleNamespace(tried=Tried(), frames=frames, board=board)
+        cell = SimpleNamespace(device=lambda camera, _type: camera)
+        context: Any = SimpleNamespace(tried=Tried(), frames=frames, board=board, cell=cell)
         super().__init__(context, LookingParams("arm", "camera"))
-        self._holds = holds
+        self._holds, self._mount = holds, mount
 
     def execute(self) -> Execution[Outcome]:
         yield
         return Success()
+
+    def camera_in_tip(self, camera: Any) -> Pose:
+        return self._mount
 
     def held(self) -> Held | None:
         return Held(Solid.box(0.05, 0.05, 0.05), Pose()) if self._holds else None
@@ -56,6 +62,14 @@ def test_a_place_is_looked_at_from_where_it_is_in_the_upper_half_of_the_picture_
 ) -> None:
     assert Looking(holds=True).sides(degrees) == sides
     assert Looking().sides(degrees) == [0, 1, 2, 3]
+
+
+def test_a_camera_that_sees_the_tip_at_the_right_edge_looks_from_where_the_place_is_in_the_left_half() -> None:
+    turned = MOUNT @ Pose.of(
+        0.0, 0.0, 0.0, yaw=-math.pi / 2.0
+    )  # its x axis points away from the tip: that is at the left
+
+    assert Looking(holds=True, mount=turned).sides(45.0) == [0, 1]
 
 
 def test_sides_tried_in_vain_come_after_those_that_show_less() -> None:

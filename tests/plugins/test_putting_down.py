@@ -7,8 +7,10 @@ import math
 
 import pytest
 
+from skiros_primitives.gripper import opening
 from skiros_primitives.put_down import finger_room, fitting_quarters
 from skiros_primitives.surfaces import lost_part, surfaces
+from skiros_py.devices.gripper import FINGER, GripperSpec
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.perception import Detection, DetectionResult
@@ -56,13 +58,24 @@ def test_a_part_is_turned_so_that_it_fits(
 
 
 def test_fingers_open_as_far_as_walls_and_neighbours_allow() -> None:
-    free, near, touching = (finger_room([wall(y, 0.05)], DOWN, GAP) for y in (0.20, 0.042, 0.036))
+    free, near, touching = (finger_room([wall(y, 0.05)], DOWN, GAP, FINGER) for y in (0.20, 0.042, 0.036))
 
     assert free == pytest.approx(0.016)
     assert 0.002 < near < 0.012
     assert touching == 0.0
-    assert finger_room([wall(0.042, 0.015)], DOWN, GAP) == pytest.approx(0.016), "the wall ends below the fingers"
-    assert finger_room([wall(0.042, 0.05)], DOWN @ Pose.of(0.0, 0.0, 0.0, yaw=math.pi / 2.0), GAP) > near
+    assert finger_room([wall(0.042, 0.015)], DOWN, GAP, FINGER) == pytest.approx(0.016), (
+        "the wall ends below the fingers"
+    )
+    assert finger_room([wall(0.042, 0.05)], DOWN @ Pose.of(0.0, 0.0, 0.0, yaw=math.pi / 2.0), GAP, FINGER) > near
+
+
+def test_wide_fingers_have_less_room_beside_a_post() -> None:
+    post = Obstacle("post", Solid((Primitive("box", (0.006, 0.004, 0.05), Pose((0.02, 0.036, 0.025))),)), Pose())
+
+    narrow, wide = (finger_room([post], DOWN, GAP, (width, 0.015, 0.01)) for width in (0.022, 0.05))
+
+    assert narrow == pytest.approx(0.016), "it is beside the finger"
+    assert wide == 0.0
 
 
 def seen(type_: str | None, x: float, y: float, z: float) -> Detection:
@@ -104,3 +117,8 @@ def test_what_is_not_recognised_is_the_lost_part_only_where_that_was_let_go() ->
     assert taken is not None
     assert taken.position == pytest.approx((0.9, 0.0, 0.21)), "so high that its top is where it is seen"
     assert taken.yaw == pytest.approx(0.3 + math.pi / 2.0), "the part is longer along y"
+
+
+@pytest.mark.parametrize(("widest", "gap"), [(0.08, 0.08), (0.14, 0.089)])
+def test_fingers_come_down_around_a_part_no_wider_open_than_needed(widest: float, gap: float) -> None:
+    assert opening(GripperSpec("gripper", ("a", "b"), "arm", widest, 60.0), 0.049) == pytest.approx(gap)

@@ -126,6 +126,8 @@ class ArmPrimitive(SeeingPrimitive):
     _is_looking_again = False
     touched = False
     """True once the arm has met something."""
+    opening: float | None = None
+    """Gap to which the fingers open at most [m]; None for as far as they go."""
     fitted: frozenset[str] = frozenset()
     """Ids of what was fitted to a picture from where the base stands."""
 
@@ -161,9 +163,9 @@ class ArmPrimitive(SeeingPrimitive):
         return found[1] if found else None
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
-        """Opens the fingers as far as they go."""
+        """Opens the fingers as far as they go, or as wide as its motions were planned for."""
         spec = self.gripper_spec
-        return (yield from move_fingers(self.context, gripper, spec.max_gap, firm_force(spec)))
+        return (yield from move_fingers(self.context, gripper, self._widest, firm_force(spec)))
 
     def plan(
         self,
@@ -277,7 +279,11 @@ class ArmPrimitive(SeeingPrimitive):
 
     def _gap(self, held: Held | None) -> float:
         gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
-        return gripper.gap if gripper and held else self.gripper_spec.max_gap  # empty ones may open meanwhile
+        return gripper.gap if gripper and held else self._widest  # empty ones may open meanwhile
+
+    @property
+    def _widest(self) -> float:
+        return self.gripper_spec.max_gap if self.opening is None else self.opening
 
     def _error(self, thing: Obstacle) -> float:
         """Returns how far beside its believed place something may be for the arm: the localiser's error [m].

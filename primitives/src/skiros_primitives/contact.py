@@ -33,6 +33,7 @@ GENTLE = 1.5
 """The same in slow motions that end where the arm is to touch something [N m]."""
 _TRACE = 1.0
 """Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
+_GRAVITY = 9.81
 _WRIST = 3
 """Joints at the end of the arm whose axes nearly meet: a contact beyond the first of them is one of the hand."""
 
@@ -169,6 +170,7 @@ class ContactWatch:
         self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
         self.weight = 0.0
         self._swings = 0.0
+        self._tip_speed: Array | None = None  # in the last cycle, along the axes of the base
         self._at_start: Array | None = None
         if self._motion.stands:
             self._weigh(self._left(self._motion.as_if_even()), self._lever(arm.state))
@@ -215,11 +217,15 @@ class ContactWatch:
         return np.asarray(efforts) - self._dynamics.efforts(motion)[self._own]
 
     def _lever(self, state: ArmState) -> Array:
-        """Returns what the joints exert per weight at the tip [m]."""
+        """Returns what the joints exert per weight at the tip, which has to be carried and sped up [m]."""
         spec = self._arm.spec
         positions = dict(zip(spec.joints, state.positions, strict=True))
-        up = rotation_matrix(self._kinematics.pose(spec.tip, positions).orientation)[2]
-        return np.asarray(up @ self._kinematics.jacobian(spec.tip, positions, spec.joints)[:3])
+        turn = rotation_matrix(self._kinematics.pose(spec.tip, positions).orientation)
+        jacobian = turn @ self._kinematics.jacobian(spec.tip, positions, spec.joints)[:3]
+        speed = jacobian @ np.asarray(state.velocities)
+        gained = np.zeros(3) if self._tip_speed is None else (speed - self._tip_speed) / self._board.period
+        self._tip_speed = speed
+        return np.asarray((np.array([0.0, 0.0, 1.0]) + gained / _GRAVITY) @ jacobian)
 
     def _touch(self, state: ArmState, left: Array, effort: float) -> Touch:
         spec = self._arm.spec

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import HandlingPrimitive, refused
-from skiros_primitives.gripper import firm_force, move_fingers
+from skiros_primitives.gripper import firm_force, move_fingers, opening
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of, level
 from skiros_primitives.playback import reversed_way
@@ -66,6 +66,9 @@ class Grasp(HandlingPrimitive):
         if part_pose is None:
             return Failure(Message("{part} has no exact pose yet", part=self.params.part))
         grasp = grasp_of(self.world, self.params.part)
+        self.opening = opening(self.gripper_spec, grasp.width)
+        if abs(self.gripper.state.gap - self.opening) > _GAP_TOLERANCE:
+            yield from self.open_wide(self.gripper)
         place = self.world.placement(self.params.part)
         touching = {self.params.part, *([place.place] if place else [])}
         chosen, planned = yield from self.plan_fresh(

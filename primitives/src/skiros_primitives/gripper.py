@@ -11,18 +11,25 @@ from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.poses import write_pose
-from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
+from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, MANIPULATABLE, ON
 
 _STILL_FOR = 0.05
 """How long fingers need to begin, and must be still then [s]; grippers wait some cycles until they say they are."""
 _PATIENCE = 2.0
 _FIRM = 0.5
 """Fraction of a gripper's maximum force that parts are held with: enough for its payload, but gentle."""
+_AROUND = 0.04
+"""How much wider than a part the fingers are open when they come down around it [m]."""
 
 
 def firm_force(gripper: GripperSpec) -> float:
     """Returns the force per finger that parts are held with [N]."""
     return _FIRM * gripper.max_force
+
+
+def opening(gripper: GripperSpec, width: float) -> float:
+    """Returns the gap with which fingers come down around a part of a width [m]: no wider than needed beside others."""
+    return min(gripper.max_gap, width + _AROUND)
 
 
 def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float) -> Execution[GripperState]:
@@ -58,6 +65,7 @@ class GripperControl(Primitive[Any]):
         unit="m",
         limits=(0.0, 1.0),
     )
+    part: str | None = param(MANIPULATABLE, "The part for which they open, where no gap is given.", kind=Kind.OPTIONAL)
     force: float | None = param(
         "number", "Greatest force per finger; left out: as parts are held.", kind=Kind.OPTIONAL, unit="N"
     )
@@ -66,7 +74,9 @@ class GripperControl(Primitive[Any]):
         """Moves the fingers."""
         gripper = Gripper(self.context.board, self.gripper)
         spec = gripper.spec
-        gap = spec.max_gap if self.gap is None else self.gap
+        width = self.world.value(self.part, GRASP_WIDTH) if self.part is not None else None
+        wide = opening(spec, width) if isinstance(width, float) else spec.max_gap
+        gap = wide if self.gap is None else self.gap
         force = firm_force(spec) if self.force is None else self.force
         state = yield from move_fingers(self.context, gripper, gap, force)
         return Success(Message("gap {gap:.0f} mm", gap=state.gap * 1000.0))

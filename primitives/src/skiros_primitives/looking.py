@@ -134,21 +134,28 @@ class LookingPrimitive(ArmPrimitive):
     def _sides(self, point: Vector, base: Pose, shown: Vector | None) -> tuple[list[int], list[int]]:
         """Returns the numbers of the sides to look from, those that promise more first.
 
-        What is held hides the lower half of a picture.
+        What is held hides the half of a picture in which the tip is.
         """
         fresh = self.context.tried.fresh("view", range(_VIEWS))
         if shown is not None and self.held() is not None:
             beside = math.atan2(shown[1] - point[1], shown[0] - point[0])
-            tops = {view: _yaw(base, view) + math.pi / 2.0 for view in fresh}
-            fresh = [view for view, top in tops.items() if math.cos(top - beside) > 0.0] or fresh
+            tip_x, tip_y, _ = self.camera_in_tip(self._camera).inverse().position
+            free = math.atan2(tip_y, -tip_x)  # the heading of the other half, where the camera looks down with yaw 0
+            fresh = [view for view in fresh if math.cos(_yaw(base, view) + free - beside) > 0.0] or fresh
         return fresh, [view for view in range(_VIEWS) if view not in fresh]
 
     def _routes(
         self, point: Vector, height: float, base: Pose, views: Sequence[int], *, aside: float = 0.0
     ) -> list[Route]:
-        camera = self.context.cell.device(self.params.camera, CameraSpec)
-        back = self.camera_in_tip(camera).inverse() @ Pose((-aside, 0.0, 0.0))
+        camera_in_tip = self.camera_in_tip(self._camera)
+        x, y, _ = camera_in_tip.position
+        away = -aside / max(1e-9, math.hypot(x, y))
+        back = camera_in_tip.inverse() @ Pose((away * x, away * y, 0.0))
         return [(PoseMove(_above(point, height, _yaw(base, view)) @ back),) for view in views]
+
+    @property
+    def _camera(self) -> CameraSpec:
+        return self.context.cell.device(self.params.camera, CameraSpec)
 
     def _looks_from(self, point: Vector, height: float, base: Pose, views: Sequence[int]) -> int | None:
         """Returns from which of some sides the camera looks at a point already; None for none of them."""

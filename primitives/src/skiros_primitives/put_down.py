@@ -26,7 +26,7 @@ from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.messages import Message
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory
+from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, Obstacle, PoseMove, Route, Trajectory, Vector
 from skiros_py.ports.perception import Region
 from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
@@ -50,12 +50,10 @@ _OPEN, _LEAST_OPEN = 0.016, 0.004
 """How far the fingers open past the part's width: where there is room, and in any case [m]."""
 _FREE = 0.003
 """How far the fingers must have opened to hold nothing any more [m]."""
-_FINGER = (0.011, 0.015, 0.010)
-"""Half the width of a finger, its thickness, and how far it reaches beyond the tip [m]."""
 _BEHIND = 0.020
 """Length of a finger above the tip that is looked at for things beside it [m]."""
-_STEP = 0.0015
-"""Distance between the points of fingers that are looked at, across them [m]."""
+_STEP, _ACROSS = 0.0015, 0.005
+"""Distance between the points of fingers that are looked at, along and across the direction in which they open [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +152,8 @@ class PuttingPrimitive(HandlingPrimitive):
 
     def room(self, tool: Pose) -> float:
         """Returns how far the fingers can open past what they hold, with the tool at a pose in the map [m]."""
-        return finger_room(obstacles(self.context, parts=True), tool, self.gripper.state.gap)
+        things = obstacles(self.context, parts=True)
+        return finger_room(things, tool, self.gripper.state.gap, self.gripper_spec.finger)
 
     def lower(self, spot: Spot, chosen: int, lift: float, planned: MotionPlan) -> Execution[Outcome]:  # noqa: ARG002
         """Comes down and lets go."""
@@ -241,17 +240,23 @@ class PuttingPrimitive(HandlingPrimitive):
         self.retreat = None
 
 
-def finger_room(things: Iterable[Obstacle], tool: Pose, gap: float) -> float:
+def finger_room(things: Iterable[Obstacle], tool: Pose, gap: float, finger: Vector) -> float:
     """Returns how far fingers can open beside walls and neighbours; what they open at most where nothing is near [m].
 
     Args:
         things: What stands around.
         tool: Pose of the tool in the map; the fingers open along its y axis.
         gap: Between the fingers now [m].
+        finger: Width of the fingers on one side, their thickness, and how far they reach beyond the tip [m].
     """
-    width, thick, ahead = _FINGER
+    width, thick, ahead = finger
     y = np.arange(gap / 2.0, gap / 2.0 + thick + _OPEN / 2.0 + 2.0 * _STEP, _STEP)
-    grid = np.meshgrid(np.linspace(-width, width, 5), y, np.linspace(-_BEHIND, ahead, 6), indexing="ij")
+    grid = np.meshgrid(
+        np.linspace(-width / 2.0, width / 2.0, max(5, round(width / _ACROSS) + 1)),
+        y,
+        np.linspace(-_BEHIND, ahead, 6),
+        indexing="ij",
+    )
     points = np.stack(grid, axis=-1).reshape(-1, 3)
     points = np.vstack([points, points * (1.0, -1.0, 1.0)])
     hit = np.zeros(len(points), dtype=bool)

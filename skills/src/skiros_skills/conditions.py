@@ -56,6 +56,12 @@ STANDS_BY = ConditionType(
     AnyOf((_DOCKED, _below(_DOCKED), _below(_below(_DOCKED)))),
     "The robot is docked at the location, or at something that stands on it or on what stands on it.",
 )
+REACHES = ConditionType(
+    "Reaches",
+    (Role("robot", v.ROBOT), Role("location", v.LOCATION)),
+    Computed(v.REACHES, "robot", "location"),
+    "The robot works at the location from where it stands, without a base.",
+)
 HAS_DOCKS = ConditionType(
     "HasDocks",
     (Role("location", v.LOCATION),),

@@ -15,6 +15,7 @@ from skiros_skills.conditions import (
     HOLDING,
     IN_STORAGE,
     LIES_ON,
+    REACHES,
     ROBOT_AT_LOCATION,
     STANDS_BY,
 )
@@ -39,6 +40,7 @@ DESCRIPTION = SkillDescription(
         any_of(IN_STORAGE("Object", "Container"), LIES_ON("Object", "Container")),
         any_of(
             ROBOT_AT_LOCATION("Robot", "Container"),
+            REACHES("Robot", "Container"),
             all_of(
                 LIES_ON("Object", "Container"),
                 any_of(STANDS_BY("Robot", "Container"), CARRYING("Robot", "Container"), HAS_PART("Robot", "Container")),
@@ -55,7 +57,7 @@ PICK = Skill(
     DESCRIPTION,
     Sequence.of(
         Parallel.of(
-            Do.of("gripper_control", gripper=P("Gripper")),
+            Do.of("gripper_control", gripper=P("Gripper"), part=P("Object")),
             Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Container"), part=P("Object")),
         ),
         Do.of("register_part", arm=P("Arm"), camera=P("Camera"), part=P("Object")),

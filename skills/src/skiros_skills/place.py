@@ -18,6 +18,7 @@ from skiros_skills.conditions import (
     HOLDING,
     LOCATION_EMPTY,
     OBJECT_AT_LOCATION,
+    REACHES,
 )
 
 DESCRIPTION = SkillDescription(
@@ -39,7 +40,7 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
         HAS_PART("Kit", "Compartment"),
-        any_of(DOCKED_AT("Robot", "Kit"), CARRYING("Robot", "Kit")),
+        any_of(DOCKED_AT("Robot", "Kit"), CARRYING("Robot", "Kit"), REACHES("Robot", "Kit")),
         HOLDING("Gripper", "Object"),
         LOCATION_EMPTY("Compartment"),
         FITS_IN("Object", "Compartment"),

@@ -17,6 +17,7 @@ from skiros_skills.conditions import (
     LOCATION_EMPTY,
     MAY_BE_IN,
     OBJECT_AT_LOCATION,
+    REACHES,
 )
 
 DESCRIPTION = SkillDescription(
@@ -38,7 +39,7 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
         HAS_PART("Kit", "Compartment"),
-        any_of(DOCKED_AT("Robot", "Kit"), CARRYING("Robot", "Kit")),
+        any_of(DOCKED_AT("Robot", "Kit"), CARRYING("Robot", "Kit"), REACHES("Robot", "Kit")),
         MAY_BE_IN("Object", "Compartment"),
         LOCATION_EMPTY("Compartment"),
         EMPTY_HANDED("Gripper"),

@@ -1,7 +1,8 @@
-"""Parallel grippers."""
+"""Grippers whose fingers come together from two sides: one finger from one side, one or several from the other."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -11,7 +12,7 @@ from skiros_py.devices.common import FakeModel, Standstill
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, FakeRobot, Individual, require_numbers
-from skiros_py.ports.simulation import SimulatedRobot, Surface
+from skiros_py.ports.simulation import SimulatedRobot, Surface, Vector
 
 _GAIN = 0.2
 _SPEED = 0.1  # greatest finger speed [m/s]; faster fingers dive into what they close on
@@ -21,14 +22,17 @@ _COUPLING_FORCE = 200.0  # [N]
 # full turn of the robot.
 _PADS = Surface(lateral=1.0, anchored=True)
 _STILL = 0.001  # [m/s]
+_TWO = 2
+FINGER: Vector = (0.022, 0.015, 0.010)
+"""Width of the fingers on one side, their thickness, and how far they reach beyond the tip, where none is said [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class GripperState:
-    """Sensors of a parallel gripper.
+    """Sensors of a gripper.
 
     Attributes:
-        gap: Distance between the finger pads [m].
+        gap: Distance between the finger pads of both sides [m]; of several on one side the mean counts.
         force: Force with which the fingers press on what they hold, per finger [N]; about 0 when nothing is held.
         still: True when the fingers do not move.
     """
@@ -48,16 +52,20 @@ class GripperTarget:
 
 @dataclass(frozen=True, slots=True)
 class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
-    """A parallel gripper; without a target it keeps the last one, so that nothing is let go by omission.
+    """A gripper; without a target it keeps the last one, so that nothing is let go by omission.
+
+    One drive couples all fingers: each is as far from the middle as the others.
 
     A stop does not wait for its fingers: they keep their target.
 
     Attributes:
         id: Its element id.
-        joints: Names of the finger joints.
+        joints: Names of the finger joints, each at 0 where its pad is in the middle; the finger that opposes all others
+            comes first.
         arm: Id of the arm that it is mounted on.
         max_gap: Greatest gap [m].
-        max_force: Greatest force per finger [N].
+        max_force: Greatest force per finger [N]; one that opposes others bears that of all of them.
+        finger: Width of the fingers on one side together, their thickness, and how far they reach beyond the tip [m].
     """
 
     kind: ClassVar[str] = "gripper"
@@ -75,15 +83,18 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
     arm: str
     max_gap: float
     max_force: float
+    finger: Vector = FINGER
 
     @classmethod
     def read(cls, individual: Individual) -> Self:
-        """Reads ``sk:joints``, ``sk:maxGap``, ``sk:maxForce`` and the arm that has it."""
+        """Reads ``sk:joints``, ``sk:maxGap``, ``sk:maxForce``, ``sk:fingerSize`` and the arm that has it."""
         arm = individual.owner("sk:Arm")
         if arm is None:
             raise DescriptionError(f"{individual.id} is on no arm: relate an sk:Arm to it by sk:hasA")
         joints = tuple(individual.text("sk:joints").split())
-        return cls(individual.id, joints, arm, individual.number("sk:maxGap"), individual.number("sk:maxForce"))
+        width, thickness, beyond = individual.vector("sk:fingerSize", 3, FINGER)
+        gap, force = individual.number("sk:maxGap"), individual.number("sk:maxForce")
+        return cls(individual.id, joints, arm, gap, force, (width, thickness, beyond))
 
     def fake(self, robot: FakeRobot) -> FakeModel[GripperState, GripperTarget]:  # noqa: ARG002 - it is there at once
         """Returns a gripper that is open at first and reaches its targets within the cycle."""
@@ -129,7 +140,7 @@ class Gripper(DeviceHandle[GripperSpec, GripperState, GripperTarget]):
 
 
 class SimulatedGripper:
-    """The controller of one parallel gripper; what it holds, it holds by friction.
+    """The controller of one gripper; what it holds, it holds by friction.
 
     Args:
         spec: The gripper; it starts open.
@@ -151,7 +162,8 @@ class SimulatedGripper:
         self._joints.reset([spec.max_gap / 2.0] * len(spec.joints))
         self._joints.set_surface(_PADS)
         # The real drive couples the fingers; without that they slide sideways together with the part.
-        self._joints.couple(ratio=1.0, effort=_COUPLING_FORCE)
+        for other in spec.joints[1:]:
+            robot.joints((spec.joints[0], other)).couple(ratio=1.0, effort=_COUPLING_FORCE)
 
     def command(self, target: GripperTarget | None) -> None:
         """Moves to a new target; None keeps the last one, so that nothing is let go by omission."""
@@ -159,14 +171,20 @@ class SimulatedGripper:
             self.spec.check(target)
             gap = min(max(target.gap, 0.0), self.spec.max_gap)
             self._target = GripperTarget(gap, min(target.force, self.spec.max_force))
-        count = len(self.fingers)
-        self._joints.hold_positions(
-            [self._target.gap / 2.0] * count, gain=_GAIN, effort=[self._target.force] * count, max_velocity=_SPEED
-        )
+        count, force = len(self.fingers), self._target.force
+        positions, efforts = [self._target.gap / 2.0] * count, [force] * count
+        efforts[0] = force * max(1, count - 1)
+        self._joints.hold_positions(positions, gain=_GAIN, effort=efforts, max_velocity=_SPEED)
 
     def state(self) -> GripperState:
         """Reads the sensors; to be called once per cycle."""
         positions, velocities, efforts = self._joints.read()
-        pressing = -sum(efforts) / len(efforts)
+        pressing = -self._others(efforts) if len(efforts) > _TWO else -sum(efforts) / len(efforts)
         still = self._standstill.update(max(map(abs, velocities)))
-        return GripperState(sum(positions), max(0.0, pressing), still)
+        gap = positions[0] + self._others(positions)
+        return GripperState(gap, max(0.0, pressing), still)
+
+    @staticmethod
+    def _others(values: Sequence[float]) -> float:
+        """Returns the mean over all fingers but the one that opposes them."""
+        return sum(values[1:]) / len(values[1:])

@@ -206,7 +206,8 @@ class InverseKinematics(Protocol):
     ) -> list[Array]:
         """Returns distinct solutions, the one nearest to a reference first; by default from random seeds.
 
-        Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
+        Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned. Joints that
+        turn more than once come by whole turns as near to the reference as their limits allow.
 
         Args:
             target: Where the tip shall be.
@@ -222,8 +223,13 @@ class InverseKinematics(Protocol):
             if raw is None:
                 continue
             for q in (self.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
+                q = None if q is None else self.unwound(q, reference)
                 if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
                     found.append(q)
             if len(found) >= count:
                 break
         return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
+
+    def unwound(self, q: Array, reference: Array) -> Array:  # noqa: ARG002 - by default, joints turn no more than once
+        """Returns the posture with each joint, by whole turns, as near to a reference as its limits allow [rad]."""
+        return q

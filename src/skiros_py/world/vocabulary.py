@@ -33,7 +33,7 @@ FORCE_TORQUE_SENSOR: Final = ClassName("sk:ForceTorqueSensor")
 FURNITURE: Final = ClassName("sk:Furniture")
 """A static thing that robots drive around."""
 GRIPPER: Final = ClassName("sk:Gripper")
-"""A parallel gripper."""
+"""A gripper whose fingers close from two sides: one finger from one side, one or several from the other."""
 LEARNED_DURATION: Final = ClassName("sk:LearnedDuration")
 """Durations (sk:runTimes, sk:failedTimes) and counts (sk:successes, sk:failures) of a skill (sk:ofSkill) executed by
 a robot (sk:ofRobot) with an agent of a class (sk:appliesTo), at a place (sk:atPlace), with parts of a class
@@ -134,6 +134,9 @@ PLACEMENT: Final = RelationName("sk:placement")
 """The place of a thing. A thing has one placement across the whole family; a new one moves it."""
 POSE_FRAME: Final = RelationName("sk:poseFrame")
 """The element in whose frame sk:pose is given; without it, the map."""
+REACHES: Final = RelationName("sk:reaches")
+"""The robot works at the location from where it stands: it has no base, and the middle of the location (or of its
+support area) is within the sk:reach of an arm of it, seen from above."""
 RESTS_ON: Final = RelationName("sk:restsOn")
 """The subject's lowest point is within 0.005 m of the object's top (for an sk:hollow object, of its floor), and its
 middle is over the object's box."""
@@ -168,6 +171,9 @@ FAILED_TIMES: Final = PropertyName("sk:failedTimes")
 """Durations of the last failed runs, newest last [s]."""
 FAILURES: Final = PropertyName("sk:failures")
 """Number of failed runs; earlier ones count less."""
+FINGER_SIZE: Final = PropertyName("sk:fingerSize")
+"""Width of the fingers on one side together, across the direction in which they close, their thickness along it, and
+how far they reach beyond the tip of the arm [m]."""
 FOOTPRINT: Final = PropertyName("sk:footprint")
 """Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that moves the robot,
 or of a robot without such a device [m]."""
@@ -195,7 +201,8 @@ HOME: Final = PropertyName("sk:home")
 HORIZONTAL_FOV: Final = PropertyName("sk:horizontalFov")
 """Horizontal field of view [rad]."""
 JOINTS: Final = PropertyName("sk:joints")
-"""Joint names in the robot's URDF, separated by blanks, in the order of every vector about the device."""
+"""Joint names in the robot's URDF, separated by blanks, in the order of every vector about the device; of a gripper,
+the finger that opposes all others comes first."""
 LATENCY: Final = PropertyName("sk:latency")
 """Time from request to answer [s]."""
 LOAD_CENTRE: Final = PropertyName("sk:loadCentre")
@@ -246,6 +253,8 @@ POSE: Final = PropertyName("sk:pose")
 """Pose of the element's frame in the map, or in the frame of its sk:poseFrame [m, rad]."""
 POSITION_NOISE: Final = PropertyName("sk:positionNoise")
 """Standard deviation of the error of the position in x and in y [m]."""
+REACH: Final = PropertyName("sk:reach")
+"""Distance from the middle of the robot up to which the arm works, seen from above [m]."""
 RUN_TIMES: Final = PropertyName("sk:runTimes")
 """Durations of the last successful runs, newest last [s]."""
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -57,6 +58,7 @@ class ArmModel:
         lower, upper: Joint limits [rad].
         velocity: Joint speed limits [rad/s].
         acceleration: Joint acceleration limits [rad/s²].
+        turn: A whole turn of each joint [rad]; 0 for one that slides.
         reach: Upper bound of the distance from the arm's shoulder to its tip [m].
     """
 
@@ -74,6 +76,8 @@ class ArmModel:
         self.lower: Array = np.array(self.model.lowerPositionLimit)
         self.upper: Array = np.array(self.model.upperPositionLimit)
         self.velocity: Array = np.array(self.model.velocityLimit)
+        turns = [joint.shortname().startswith("JointModelR") for joint in list(self.model.joints)[1:]]
+        self.turn: Array = math.tau * np.array(turns)
         self.acceleration: Array = np.array(arm.accelerations or [_ACCELERATION] * len(arm.joints))
         steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
         steps.append(self.model.frames[self.tip].placement.translation)

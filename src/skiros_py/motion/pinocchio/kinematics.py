@@ -60,6 +60,11 @@ class IkSolver(InverseKinematics):
             q = self._step(q, jacobian, error, drift)
         return None
 
+    def unwound(self, q: Array, reference: Array) -> Array:
+        """Returns the posture with each joint, by whole turns, as near to a reference as its limits allow [rad]."""
+        nearer = q + self._arm.turn * np.round((reference - q) / math.tau)
+        return np.where((nearer >= self._arm.lower) & (nearer <= self._arm.upper), nearer, q)
+
     def _step(self, q: Array, jacobian: Array, error: Array, drift: Array) -> Array:
         """Moves towards the target; the other joints compensate for a joint that would leave its range."""
         free = np.ones(len(q), dtype=bool)

@@ -76,14 +76,14 @@ def loaded() -> tuple[list[str], dict[str, PluginFault]]:
 def test_built_in_reasoners_are_loaded_like_plug_ins() -> None:
     names, faults = loaded()
 
-    assert names == ["sizes", "spatial"]
+    assert names == ["reach", "sizes", "spatial"]
     assert faults == {}
 
 
 def test_reasoners_of_plug_ins_come_after_the_built_in_reasoners(install: Install) -> None:
     install("sk_colours", COLOURS, aaa="Colours")
 
-    assert loaded() == (["sizes", "spatial", "colours"], {})
+    assert loaded() == (["reach", "sizes", "spatial", "colours"], {})
     assert load_reasoners()[0].of("paint:likeColour").name == "colours"
 
 
@@ -104,7 +104,7 @@ def test_an_unusable_reasoner_is_reported_and_does_not_affect_others(install: In
     install(f"sk_bad_{value.lower()}", COLOURS, bad=value, good="Colours")
 
     names, faults = loaded()
-    assert names == ["sizes", "spatial", "colours"]
+    assert names == ["reach", "sizes", "spatial", "colours"]
     assert list(faults) == ["bad"]
     assert faults["bad"].reason.startswith(reason)
     assert faults["bad"].distribution == f"sk_bad_{value.lower()} 0.3"
@@ -122,7 +122,7 @@ def test_a_reasoner_whose_relations_are_not_declared_as_computed_is_left_out(
 
     reasoners, faults = load_reasoners(ontology)
 
-    assert [reasoner.name for reasoner in reasoners] == ["sizes", "spatial"]
+    assert [reasoner.name for reasoner in reasoners] == ["reach", "sizes", "spatial"]
     assert {fault.name: fault.reason for fault in faults} == {
         "a": "no ontology declares paint:likeColour below sk:computed",
         "b": "no ontology declares sk:on below sk:computed",
@@ -133,7 +133,7 @@ def test_the_first_of_two_reasoners_with_one_name_is_used(install: Install) -> N
     install("sk_twice", COLOURS, one="Colours", two="Other")
 
     names, faults = loaded()
-    assert names == ["sizes", "spatial", "colours"]
+    assert names == ["reach", "sizes", "spatial", "colours"]
     assert faults["two"].reason == "there is a reasoner 'colours' already"
 
 
@@ -141,5 +141,5 @@ def test_a_module_that_raises_on_import_does_not_affect_others(install: Install)
     install("sk_shattered", "1 / 0", bad="X")
 
     names, faults = loaded()
-    assert names == ["sizes", "spatial"]
+    assert names == ["reach", "sizes", "spatial"]
     assert "ZeroDivisionError" in faults["bad"].traceback
