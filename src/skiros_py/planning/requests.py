@@ -153,7 +153,7 @@ class _MayTry:
 
     ruled_out: tuple[RuledOut, ...]
 
-    def __call__(self, view: WorldView, agent: str, target: str) -> Verdict:  # noqa: ARG002 - as functions of relations
+    def __call__(self, view: WorldView, agent: str, target: str) -> Verdict:
         for one in self.ruled_out:
             if one.agent in (agent, robot_of(view, agent)) and one.target in (None, target):
                 return Verdict(False, Message("{agent}: {reason}", agent=agent, reason=one.reason))

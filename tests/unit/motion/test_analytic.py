@@ -219,7 +219,9 @@ def test_the_built_in_arm_is_solved_in_its_own_frames(robot: RobotSpec) -> None:
 
 
 @pytest.mark.parametrize(
-    ("named", "kind"), [((), IkSolver), ((("arm", ("analytic-kinematics",)),), AnalyticKinematics)], ids=["any", "named"]
+    ("named", "kind"),
+    [((), IkSolver), ((("arm", ("analytic-kinematics",)),), AnalyticKinematics)],
+    ids=["any", "named"],
 )
 def test_the_closed_form_is_used_by_arms_that_name_it(
     robot: RobotSpec, named: tuple[tuple[str, tuple[str, ...]], ...], kind: type

@@ -63,7 +63,9 @@ class Go(Primitive[Any]):
         yield
         self.ahead.append(self.context.ahead)
         missing = sorted(self.out_of_reach & self.context.ahead)
-        return Failure("it is too far away", values={"cause": "reach", "out_of_reach": missing}) if missing else Success()
+        return (
+            Failure("it is too far away", values={"cause": "reach", "out_of_reach": missing}) if missing else Success()
+        )
 
 
 GOING = (pretend(DRIVE, Sequence.of(Do.of("go", robot=P("Robot")), AssertEffects(0.02))), pretend(PICK), pretend(PLACE))
