@@ -772,6 +772,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/learned/forget": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["forget_costs"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/learned/{element}": {
         parameters: {
             query?: never;
@@ -3339,6 +3355,8 @@ export interface components {
             wall: number | null;
             planner: string;
             steps: components["schemas"]["PlannedStep"][];
+            seconds: number | null;
+            chance: number | null;
             reasons: string[];
             causes: {
                 [key: string]: unknown;
@@ -5845,6 +5863,38 @@ export interface operations {
                 "application/ld+json": string;
             };
         };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Written"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    forget_costs: {
+        parameters: {
+            query?: {
+                skill?: string;
+                robot?: string;
+                place?: string;
+                kind?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
         responses: {
             200: {
                 headers: {
