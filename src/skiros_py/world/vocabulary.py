@@ -237,6 +237,9 @@ RUN_TIMES: Final = PropertyName("sk:runTimes")
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")
 """Position of the location in a robot's round: within one task no robot visits a lower number after a higher one.
 Locations without a number can be visited at any time."""
+SIGHT_ERROR: Final = PropertyName("sk:sightError")
+"""By how much the camera sees things off, found by comparing two pictures; without it, not more than a calibrated
+one does [m]."""
 SIZE: Final = PropertyName("sk:size")
 """Full extents around the element's frame, x y or x y z [m]."""
 SOLID: Final = PropertyName("sk:solid")

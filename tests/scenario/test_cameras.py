@@ -1,0 +1,65 @@
+"""A camera that is not where its calibration says is noticed by what two of its pictures say of the same part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.messages import Message
+from skiros_py.simulation.imperfections import knocked
+from skiros_py.skills.outcome import Success
+from skiros_py.station.session import Session
+from skiros_py.world import vocabulary as v
+
+pytestmark = pytest.mark.physics
+
+_SEEDS = range(1, 6)
+
+
+def looked_twice(session: Session) -> list[str]:
+    """Drives to the pallet and looks at a part as before a pick; returns what was said of the camera."""
+    told: list[str] = []
+
+    def hear(event: ModuleEvent) -> None:
+        if getattr(event.text, "template", "").startswith("{camera} sees things"):
+            told.append(event.text)
+
+    session.monitor.subscribe(hear)
+    assert session.run(["RobotAtLocation(robot_1, pallet_a)"]).reached
+    camera = {"arm": "arm_1", "camera": "camera_1"}
+    assert isinstance(session.run_module("locate", {**camera, "place": "pallet_a", "part": "starter_1"}), Success)
+    assert isinstance(session.run_module("register_part", {**camera, "part": "starter_1"}), Success)
+    return told
+
+
+@pytest.mark.parametrize("seed", _SEEDS)
+def test_a_knocked_camera_is_noticed_and_the_person_told_which_and_how_much(
+    open_session: Callable[..., Session], seed: int
+) -> None:
+    session = open_session("kitting", seed=seed, imperfections=1.0)
+    session.simulation.knock_camera("camera_1", knocked(seed, 0.005, math.radians(1.0)))
+
+    told = looked_twice(session)
+
+    error = session.world.value("camera_1", v.SIGHT_ERROR)
+    assert isinstance(error, float)
+    assert 0.008 < error < 0.020
+    assert told == [
+        Message(
+            "{camera} sees things {error:.0f} mm off: it has to be calibrated", camera="camera_1", error=1e3 * error
+        )
+    ]
+
+
+@pytest.mark.parametrize("seed", _SEEDS)
+def test_of_a_calibrated_camera_nothing_is_said(open_session: Callable[..., Session], seed: int) -> None:
+    session = open_session("kitting", seed=seed, imperfections=1.0)
+
+    told = looked_twice(session)
+
+    assert told == []
+    assert session.world.value("camera_1", v.SIGHT_ERROR) is None
+    assert "camera_1" in session.runtime.context.pictures.compared
