@@ -17,6 +17,7 @@ EXTRAS = {
     "physics": ("mujoco", "pinocchio", "open3d"),
     "pybullet": ("pybullet",),
     "perception": ("open3d",),
+    "calibration": ("cv2",),
     "planners": ("kairos", "unified_planning"),
     "ontology": ("owlready2", "reasonable"),
     "server": ("fastapi", "uvicorn", "structlog"),

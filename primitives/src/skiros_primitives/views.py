@@ -145,7 +145,7 @@ class SeeingPrimitive(Primitive[Any]):
         kinematics = self.context.port(Kinematics, self.params.arm)
         positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
         tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
-        return tip.inverse() @ optical
+        return tip.inverse() @ optical @ self.context.frames.mounting(camera.id)
 
     def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
         """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.

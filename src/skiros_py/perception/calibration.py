@@ -74,9 +74,9 @@ def solve(
     )
     own, there = _changed(camera, found.x[:6]), board if board_is_measured else _changed(board, found.x[6:])
     residual = math.sqrt(2.0 * float(np.mean(np.square(errors(found.x)))))  # of both coordinates of a corner
-    position, angle = _uncertainty(found.jac, max(residual / math.sqrt(2.0), _LEAST_NOISE))
-    why = _doubt(residual, position, angle)
-    return CalibrationResult(None if why else own, there, len(views), residual, position, angle, why)
+    position, angle = _uncertainty(np.asarray(found.jac), max(residual / math.sqrt(2.0), _LEAST_NOISE))
+    doubt = _doubt(residual, position, angle)
+    return CalibrationResult(None if doubt else own, there, len(views), residual, position, angle, doubt)
 
 
 def _doubt(residual: float, position: float, angle: float) -> str:

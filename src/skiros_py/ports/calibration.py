@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.values import DepthImage, Pending
 
 
@@ -25,6 +26,14 @@ class MarkerBoard:
     rows: int
     square: float
     marker: float
+
+
+def face_of(board: MarkerBoard, solid: Solid) -> Pose:
+    """Returns the pose of a board that is printed in the middle of the upper side of a body, in the body's frame."""
+    low, high = solid.bounds()
+    x, y = (float(value) for value in (low[:2] + high[:2]) / 2.0)
+    width, length = board.columns * board.square, board.rows * board.square
+    return Pose.of(x - width / 2.0, y + length / 2.0, float(high[2]), roll=math.pi)
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,9 @@ LOCATION: Final = ClassName("sk:Location")
 """An element at, in or on which others can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
 """A thing that a gripper can take."""
+MARKER_BOARD: Final = ClassName("sk:MarkerBoard")
+"""A panel on whose upper side a board for calibrating cameras is printed (ChArUco, dictionary 4x4_50), in its
+middle."""
 MODULE: Final = ClassName("sk:Module")
 """A unit that a skill manager can run."""
 OBJECT: Final = ClassName("sk:Object")
@@ -154,6 +157,9 @@ ADDRESS: Final = PropertyName("sk:address")
 """Address of the hardware: a host, a port, a serial number, as the driver expects it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
 """The class to which a learned concept applies."""
+CALIBRATION_RESIDUAL: Final = PropertyName("sk:calibrationResidual")
+"""Root mean square distance of corners from where they should have been, in the calibration that has found
+sk:mounting [px]."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise at half a metre [m]."""
 DRIVER: Final = PropertyName("sk:driver")
@@ -196,6 +202,8 @@ LOAD_MASS: Final = PropertyName("sk:loadMass")
 """Mass that the sensor's joint carries when the hand is empty, whose weight it leaves out [kg]."""
 LOT: Final = PropertyName("sk:lot")
 """Number of the material lot it belongs to."""
+MARKER_SIDE: Final = PropertyName("sk:markerSide")
+"""Side length of a marker [m]."""
 MASS: Final = PropertyName("sk:mass")
 """Mass [kg]; 0 for static elements."""
 MAX_ANGULAR: Final = PropertyName("sk:maxAngular")
@@ -224,6 +232,9 @@ MODEL: Final = PropertyName("sk:model")
 """Name of the model of a robot, or of a device without a robot."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
 """The data that a person needs to start the module: help, parameters, implementations."""
+MOUNTING: Final = PropertyName("sk:mounting")
+"""Pose of the optical frame as a calibration has found it, in the frame that the model of its carrier has for it
+(sk:frame), or in that of its sk:pose; without it, they are the same [m, rad]."""
 OF_SKILL: Final = PropertyName("sk:ofSkill")
 """Name of the skill to which a learned concept refers."""
 PLACING_POSE: Final = PropertyName("sk:placingPose")
@@ -245,6 +256,10 @@ SIZE: Final = PropertyName("sk:size")
 SOLID: Final = PropertyName("sk:solid")
 """Shape: a list of boxes (size x, y, z) and cylinders (size radius, length along z) with their centres 'at' and
 fixed-axis 'rpy', in the element's frame, which lies on the support plane [m, rad]."""
+SQUARE_SIDE: Final = PropertyName("sk:squareSide")
+"""Side length of a square [m]."""
+SQUARES: Final = PropertyName("sk:squares")
+"""Number of squares along the x and the y axis of the board."""
 STOCK_COUNT: Final = PropertyName("sk:stockCount")
 """The number of elements without individuals of their own."""
 STOCK_OF: Final = PropertyName("sk:stockOf")
