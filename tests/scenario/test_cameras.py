@@ -1,16 +1,21 @@
-"""A camera that is not where its calibration says is noticed by what two of its pictures say of the same part."""
+"""One camera that is not where its calibration says is noticed by two pictures; one over the kit verifies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from skiros_py.config import find_scene
+from skiros_py.devices.arm import ArmState
 from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.simulation.imperfections import knocked
-from skiros_py.skills.outcome import Success
+from skiros_py.skills.outcome import Failure, Success
 from skiros_py.station.session import Session
 from skiros_py.world import vocabulary as v
 
@@ -63,3 +68,34 @@ def test_of_a_calibrated_camera_nothing_is_said(open_session: Callable[..., Sess
     assert told == []
     assert session.world.value("camera_1", v.SIGHT_ERROR) is None
     assert "camera_1" in session.runtime.context.pictures.compared
+
+
+OVER_THE_KIT = """
+scene:kit_camera a sk:Camera ;
+    rdfs:label "kit camera" ;
+    sk:on scene:floor ;
+    sk:pose "-1.55 0 1.15 3.141592653589793 0 0"^^sk:poseLiteral ;
+    sk:width 640 ; sk:height 480 ; sk:verticalFov 0.9774 ;
+    sk:minDepth 0.05 ; sk:maxDepth 2.0 ; sk:depthNoise 0.0015 ; sk:latency 0.1 .
+"""
+
+
+def test_a_camera_over_the_kit_that_belongs_to_no_robot_verifies_what_was_placed(
+    open_session: Callable[..., Session], tmp_path: Path
+) -> None:
+    scene = tmp_path / "watched.ttl"
+    scene.write_text(find_scene("kitting").read_text(encoding="utf-8") + OVER_THE_KIT)
+    session = open_session(str(scene), seed=1)
+    assert session.run(["ObjectAtLocation(starter_1, kit_1_a)"]).reached
+    known = {"arm": "arm_1", "camera": "kit_camera", "part": "starter_1", "compartment": "kit_1_a"}
+    arm = session.cycle.board.snapshot.state("arm_1", ArmState).positions
+
+    there = session.run_module("verify_place", known)
+    session.simulation.move_body("starter_1", Pose((3.0, 2.0, 0.0)))
+    gone = session.run_module("verify_place", known)
+
+    assert isinstance(there, Success), there
+    assert isinstance(gone, Failure)
+    assert "nothing of its kind is seen there" in gone.reason
+    moved = np.subtract(arm, session.cycle.board.snapshot.state("arm_1", ArmState).positions)
+    assert np.abs(moved).max() < 0.01

@@ -53,7 +53,7 @@ _ALIGNED = math.radians(3.0)
 class LookingParams:
     """Parameters of every primitive that looks."""
 
-    arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+    arm: str = param(v.ARM, "The arm that works there; it moves a camera that it carries.", kind=Kind.HARDWARE)
     camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
 
 
@@ -99,7 +99,7 @@ class LookingPrimitive(ArmPrimitive):
     ) -> Execution[tuple[DepthImage, Pose] | NoMotion]:
         """Takes a picture from straight above a point; returns it with the camera's pose in the map.
 
-        Where the camera looks at it from there already, nothing moves.
+        Where the camera looks at it from there already, nothing moves; nor where it is not on the arm.
 
         Args:
             point: Where to look, on the viewed surface in the map [m].
@@ -107,6 +107,8 @@ class LookingPrimitive(ArmPrimitive):
                 should lie on the other side.
             shown: A place beside the point that what is held should not hide, in the map [m].
         """
+        if not self.carries(self.params.camera):
+            return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
         choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
@@ -423,10 +425,13 @@ class VerifyPlace(LookingPrimitive):
         return self._deny(strange=any(d.type is None for d in look.detections))
 
     def _is_in_sight(self, compartment: str) -> bool:
-        """Returns whether the camera looks steeply down into a compartment from where the arm is after the retreat."""
+        """Returns whether the camera looks steeply down into a compartment from where the arm is after the retreat.
+
+        One that the arm does not carry has to do where it is.
+        """
         place = map_pose(self.context, compartment)
-        if place is None:
-            return False
+        if place is None or not self.carries(self.params.camera):
+            return place is not None
         return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.params.camera), place)
 
     def _look_into(

@@ -140,6 +140,10 @@ class SeeingPrimitive(Primitive[Any]):
         """The robot that the arm belongs to."""
         return self.context.cell.group_of(self.params.arm)
 
+    def carries(self, camera: str) -> bool:
+        """Returns whether a camera is on the arm, rather than on something else or over the place."""
+        return camera in self.world.objects(self.params.arm, v.HAS_A)
+
     def camera_in_tip(self, camera: CameraSpec) -> Pose:
         """Returns the pose of a camera on the arm's hand in the frame of the tip."""
         kinematics = self.context.port(Kinematics, self.params.arm)
@@ -157,7 +161,7 @@ class SeeingPrimitive(Primitive[Any]):
             guess: How it is expected to sit, in the frame of the tip.
         """
         registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
-        if registrar is None or solid is None:
+        if registrar is None or solid is None or not self.carries(camera):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
         return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
