@@ -14,7 +14,7 @@ from skiros_py.ports.values import CameraIntrinsics
 
 _FILLED = 1.1, 0.6
 """Shares of the height of a picture that the board's diagonal fills, in turn."""
-_TILTS = tuple(math.radians(tilt) for tilt in (50.0, 20.0, 40.0))
+_TILTS = tuple(math.radians(tilt) for tilt in (55.0, 15.0, 45.0))
 """Angles from straight above the board, in turn."""
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 """Sides to look from that are this far apart never repeat."""
