@@ -18,6 +18,7 @@ EXTRAS = {
     "pybullet": ("pybullet",),
     "perception": ("open3d",),
     "ik": ("ssik",),
+    "calibration": ("cv2",),
     "planners": ("kairos", "unified_planning"),
     "ontology": ("owlready2", "reasonable"),
     "server": ("fastapi", "uvicorn", "structlog"),

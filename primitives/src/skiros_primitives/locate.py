@@ -153,6 +153,7 @@ class Locate(LookingPrimitive):
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(v.IN, self.params.place))
                 write_pose(tx, part, pose)
+                self.context.pictures.sightings[self.params.camera, part] = self.sighting(pose)
                 if element:
                     tx.place(part, v.IN, self.params.place)  # a missing part is found
                     tx.set(part, v.MISSED_LOOKS, None)

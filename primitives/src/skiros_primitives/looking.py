@@ -9,6 +9,7 @@ from itertools import product
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
+from skiros_primitives.camera_check import compare, is_due, is_turned
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_py.devices.arm import ArmSpec
@@ -32,6 +33,7 @@ from skiros_py.ports.values import DepthImage
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.pictures import Sighting
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose, solid_of
 from skiros_py.world import vocabulary as v
@@ -54,7 +56,7 @@ _ALIGNED = math.radians(3.0)
 class LookingParams:
     """Parameters of every primitive that looks."""
 
-    arm: str = param(v.ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+    arm: str = param(v.ARM, "The arm that works there; it moves a camera that it carries.", kind=Kind.HARDWARE)
     camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
 
 
@@ -64,6 +66,8 @@ class LookingPrimitive(ArmPrimitive):
     looks_again = True
     _view: int | None = None
     """From which side the last picture was taken."""
+    _seen_from: tuple[Pose, Pose]
+    """Where robot and camera were in the map when the picture was taken that was searched last."""
 
     def in_vain(self, reason: str) -> Failure:
         """Returns a failure; the next look for the same purpose is one from another side."""
@@ -81,7 +85,13 @@ class LookingPrimitive(ArmPrimitive):
         """Searches a region in a picture for parts."""
         detector = self.context.port(PartDetector, self.params.camera)
         request = DetectionRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
+        self._seen_from = self.context.frames.at(picture[0].snapshot).robot(self.params.camera), picture[1]
         return (yield from self.wait(detector.detect(request)))
+
+    def sighting(self, pose: Pose) -> Sighting:
+        """Returns where something was seen in the picture that was searched last, by its pose in the map."""
+        robot, camera = self._seen_from
+        return Sighting(robot, robot.inverse() @ camera, robot.inverse() @ pose)
 
     def capture(self) -> Execution[tuple[DepthImage, Pose]]:
         """Takes a picture from where the camera is; returns it with the camera's pose in the map."""
@@ -93,7 +103,7 @@ class LookingPrimitive(ArmPrimitive):
     ) -> Execution[tuple[DepthImage, Pose] | NoMotion]:
         """Takes a picture from straight above a point; returns it with the camera's pose in the map.
 
-        Where the camera looks at it from there already, nothing moves.
+        Where the camera looks at it from there already, nothing moves; nor where it is not on the arm.
 
         Args:
             point: Where to look, on the viewed surface in the map [m].
@@ -101,6 +111,8 @@ class LookingPrimitive(ArmPrimitive):
                 should lie on the other side.
             shown: A place beside the point that what is held should not hide, in the map [m].
         """
+        if not self.carries(self.params.camera):
+            return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
         choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
@@ -328,6 +340,8 @@ class RegisterPart(LookingPrimitive):
     """The second look, with the camera exactly above the part: nothing hides its far side."""
 
     name: ClassVar[str] = "register_part"
+    _first: Sighting | None = None
+    """Where the first look saw the part, while it is time to compare what the camera says from two sides."""
 
     @dataclass(frozen=True, slots=True)
     class Params(LookingParams):
@@ -342,6 +356,8 @@ class RegisterPart(LookingPrimitive):
             return Failure(Message("{part} has not been seen yet", part=self.params.part))
         part, placement = self.params.part, self.world.placement(self.params.part)
         astray = placement is not None and placement.relation == v.ON
+        if is_due(self.context, self.params.camera):
+            self._first = self.context.pictures.sightings.get((self.params.camera, part))
         x, y, _ = believed.position
         look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF), exact=astray), x, y)
         if isinstance(look, NoMotion):
@@ -363,9 +379,25 @@ class RegisterPart(LookingPrimitive):
             author=self.name, reason=Message("cost {cost:.1f} mm", cost=nearest.cost * 1000.0)
         ) as tx:
             write_pose(tx, part, nearest.pose)
+        if self._first is not None:
+            self._compare(self._first, self.sighting(nearest.pose))
         return Success(
             Message("{part} at ({x:.3f}, {y:.3f})", part=part, x=nearest.pose.position[0], y=nearest.pose.position[1])
         )
+
+    def _compare(self, first: Sighting, second: Sighting) -> None:
+        off = compare(self.context, self.params.camera, first, second, self.name)
+        if off is not None:
+            self.progress(_OFF, off)
+
+    def _sides(self, point: Vector, base: Pose, shown: Vector | None) -> tuple[list[int], list[int]]:
+        """Returns first those sides from which what is seen tells whether the camera is where it is believed to be."""
+        fresh, others = super()._sides(point, base, shown)
+        if self._first is None:
+            return fresh, others
+        first, height = self._first, _LOOK_HEIGHTS[0]
+        turned = [one for one in fresh if is_turned(first, _above(point, height, _yaw(base, one)))]
+        return turned or fresh, [one for one in (*fresh, *others) if turned and one not in turned] or others
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:
@@ -373,6 +405,8 @@ class RegisterPart(LookingPrimitive):
         return self.in_vain(reason)
 
 
+_OFF = 2
+"""Progress code of a camera that sees things off."""
 _LOOKS = 3
 _IN_SIGHT = math.radians(20.0)
 """Greatest angle from the middle of a picture at which something is looked at without moving."""
@@ -427,10 +461,13 @@ class VerifyPlace(LookingPrimitive):
         return self._deny(strange=any(d.type is None for d in look.detections))
 
     def _is_in_sight(self, compartment: str) -> bool:
-        """Returns whether the camera looks steeply down into a compartment from where the arm is after the retreat."""
+        """Returns whether the camera looks steeply down into a compartment from where the arm is after the retreat.
+
+        One that the arm does not carry has to do where it is.
+        """
         place = map_pose(self.context, compartment)
-        if place is None:
-            return False
+        if place is None or not self.carries(self.params.camera):
+            return place is not None
         return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.params.camera), place)
 
     def _look_into(

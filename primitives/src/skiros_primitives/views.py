@@ -141,12 +141,16 @@ class SeeingPrimitive(Primitive[Any]):
         """The robot that the arm belongs to."""
         return self.context.cell.group_of(self.params.arm)
 
+    def carries(self, camera: str) -> bool:
+        """Returns whether a camera is on the arm, rather than on something else or over the place."""
+        return camera in self.world.objects(self.params.arm, v.HAS_A)
+
     def camera_in_tip(self, camera: CameraSpec) -> Pose:
         """Returns the pose of a camera on the arm's hand in the frame of the tip."""
         kinematics = self.context.port(Kinematics, self.params.arm)
         positions = dict(zip(self.arm.spec.joints, self.arm.state.positions, strict=True))
         tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
-        return tip.inverse() @ optical
+        return tip.inverse() @ optical @ self.context.frames.mounting(camera.id)
 
     def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
         """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.
@@ -158,7 +162,7 @@ class SeeingPrimitive(Primitive[Any]):
             guess: How it is expected to sit, in the frame of the tip.
         """
         registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
-        if registrar is None or solid is None:
+        if registrar is None or solid is None or not self.carries(camera):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
         return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))

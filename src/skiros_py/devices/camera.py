@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSpec, FakeRobot, Individual
 from skiros_py.ports.simulation import SimulatedRobot
@@ -25,6 +26,7 @@ class CameraSpec(DeviceSpec[None, None]):
         near, far: Range of depth [m].
         noise: Standard deviation of depth noise at half a metre [m].
         latency: Time from request to image [s].
+        optical: Pose of its optical frame in ``frame``, as a calibration has found it.
     """
 
     kind: ClassVar[str] = "camera"
@@ -38,6 +40,7 @@ class CameraSpec(DeviceSpec[None, None]):
     far: float
     noise: float
     latency: float
+    optical: Pose = field(default_factory=Pose)
 
     @classmethod
     def read(cls, individual: Individual) -> Self:
@@ -52,6 +55,7 @@ class CameraSpec(DeviceSpec[None, None]):
             far=individual.number("sk:maxDepth"),
             noise=individual.number("sk:depthNoise"),
             latency=individual.number("sk:latency"),
+            optical=individual.pose("sk:mounting") or Pose(),
         )
 
     def fake(self, robot: FakeRobot) -> None:
@@ -59,6 +63,11 @@ class CameraSpec(DeviceSpec[None, None]):
 
     def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> None:
         """Returns nothing: the cell renders what it sees when it is asked."""
+
+    @property
+    def mounting(self) -> Pose:
+        """Where a calibration has found its optical frame."""
+        return self.optical
 
     @property
     def frame_names(self) -> tuple[str, ...]:

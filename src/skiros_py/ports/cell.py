@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.calibration import MarkerBoard
 from skiros_py.ports.device import DeviceSpec, LocalisingSpec, MobileSpec
 from skiros_py.ports.device_faults import KindGuard
 from skiros_py.ports.values import Snapshot
@@ -35,6 +36,7 @@ class BodySpec:
         support_height: Height of that surface above the body's frame [m].
         support_centre: Middle (x, y) of that surface in the body's frame [m].
         compartment: True for a compartment: a region, not a body of its own; ``solid`` is its inner volume.
+        board: What is printed on its upper side; None for nothing.
     """
 
     id: str
@@ -48,6 +50,7 @@ class BodySpec:
     support_height: float = 0.0
     support_centre: tuple[float, float] = (0.0, 0.0)
     compartment: bool = False
+    board: MarkerBoard | None = None
 
 
 @dataclass(frozen=True)  # without slots: it remembers which of its devices are of a kind

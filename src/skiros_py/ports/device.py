@@ -243,6 +243,11 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         return ()
 
     @property
+    def mounting(self) -> Pose:
+        """Pose of its frame in the link that it names first, as it was measured."""
+        return Pose()
+
+    @property
     def mounted_on(self) -> str:
         """Id of the device whose frame it shares, where it names no link of its own: a gripper's arm."""
         return ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import DeviceError
@@ -30,16 +31,25 @@ class FrameTree:
         snapshot: What the devices said in that cycle.
         ports: Where the kinematics of robots are found.
         guard: Calls the functions of kinds of device.
+        mountings: Poses of frames of devices in the links that they name, by id, where they were measured.
 
     Attributes:
         snapshot: What the devices said in that cycle.
     """
 
-    def __init__(self, cell: CellSpec, snapshot: Snapshot, ports: Ports, guard: KindGuard) -> None:
+    def __init__(
+        self,
+        cell: CellSpec,
+        snapshot: Snapshot,
+        ports: Ports,
+        guard: KindGuard,
+        mountings: Mapping[str, Pose] = MappingProxyType({}),
+    ) -> None:
         self.snapshot = snapshot
         self._cell = cell
         self._ports = ports
         self._guard = guard
+        self._mountings = mountings
         self._groups = {device.id: group for group in cell.groups for device in group.devices}
         self._links: dict[tuple[str, str], Pose | None] = {}
         self._devices: dict[str, Pose | None] = {}
@@ -140,7 +150,7 @@ class FrameTree:
         self, group: RobotSpec, device: DeviceSpec[Any, Any], links: Mapping[str, Pose]
     ) -> Iterator[tuple[str, str, Pose]]:
         if device.frame_names and device.frame_names[0] in links:
-            yield f"{group.id}/{device.frame_names[0]}", device.id, Pose()
+            yield f"{group.id}/{device.frame_names[0]}", device.id, self._mountings.get(device.id, Pose())
         elif (pose := self.device(device.id)) is not None:
             yield (device.mounted_on, device.id, Pose()) if device.mounted_on else (MAP, device.id, pose)
 
@@ -153,10 +163,11 @@ class FrameTree:
                 return group.pose(self.snapshot, self._guard) @ platform
             return self.link(device.id, device.platform_link) if device.platform_link else self.robot(device.id)
         if device.frame_names:
-            return self.link(device.id, device.frame_names[0])
+            link = self.link(device.id, device.frame_names[0])
+            return None if link is None else link @ self._mountings.get(device.id, Pose())
         if device.mounted_on:
             return self.device(device.mounted_on)
-        return None if group in self._cell.robots else self.robot(device.id)
+        return None if group in self._cell.robots else self.robot(device.id) @ self._mountings.get(device.id, Pose())
 
 
 def _root(group: RobotSpec) -> str:
@@ -179,6 +190,17 @@ class Frames:
         self._ports = ports
         self._guard = guard
         self._last: FrameTree | None = None
+        devices = [device for group in cell.groups for device in group.devices]
+        self._mountings = {device.id: device.mounting for device in devices if device.mounting != Pose()}
+
+    def mounting(self, device: str) -> Pose:
+        """Returns the pose of a device's frame in the link that it names."""
+        return self._mountings.get(device, Pose())
+
+    def mount(self, device: str, pose: Pose) -> None:
+        """Takes over where a device's frame was found, in the link that it names."""
+        self._mountings = {**self._mountings, device: pose}
+        self._last = None
 
     def kinematics(self, group: RobotSpec) -> Kinematics | None:
         """Returns the kinematics of a robot; None where there are none."""
@@ -188,5 +210,5 @@ class Frames:
         """Returns the frame tree of the cycle of a snapshot; for any thread."""
         tree = self._last
         if tree is None or tree.snapshot is not snapshot:
-            tree = self._last = FrameTree(self._cell, snapshot, self._ports, self._guard)
+            tree = self._last = FrameTree(self._cell, snapshot, self._ports, self._guard, self._mountings)
         return tree

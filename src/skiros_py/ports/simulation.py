@@ -273,11 +273,31 @@ class SimulatedRobot(Protocol):
         """
 
 
+@dataclass(frozen=True, slots=True)
+class Print:
+    """Something black on white, on a face of a body.
+
+    Attributes:
+        dark: Rows of square cells, each True where it is black; cells of a row follow each other along the x axis.
+        cell: Side length of a cell [m].
+        pose: Pose of the outer corner of the first cell in the frame of the body; its z axis points into the body.
+    """
+
+    dark: tuple[tuple[bool, ...], ...]
+    cell: float
+    pose: Pose
+
+
 class Engine(Protocol):
     """A physics engine with one world in it; owned by one thread.
 
     Its world has gravity of 9.81 m/s² along -z and a floor.
+
+    Attributes:
+        printed: What pictures show on bodies, by name.
     """
+
+    printed: dict[str, Print]
 
     @property
     def name(self) -> str:

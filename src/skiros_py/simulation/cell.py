@@ -129,6 +129,7 @@ class SimulatedCell(ModelCell):
         self.kind = self._engine.name
         self._seed = seed
         self._imperfections = imperfections
+        self._knocked: dict[str, Pose] = {}
         self._places = [group.start.position for group in spec.groups]
         self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
@@ -166,7 +167,8 @@ class SimulatedCell(ModelCell):
             raise DeviceError(f"no camera '{camera}'; there is {', '.join(sorted(self._cameras)) or 'none'}")
         robot, spec = self._cameras[camera]
         seen = view_of(spec, robot)
-        view = replace(seen, pose=seen.pose @ mounting_error(camera, self._seed, self._imperfections))
+        off = mounting_error(camera, self._seed, self._imperfections) @ self._knocked.get(camera, Pose())
+        view = replace(seen, pose=seen.pose @ off)
         number = self._shots[camera]
         self._shots[camera] += 1
         seed = (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number)
@@ -174,6 +176,15 @@ class SimulatedCell(ModelCell):
             depth_image, self._snapshot, spec.noise, seed, self._imperfections, self._engine.intrinsics(view)
         )
         return self._engine.render(view, shot, latency=spec.latency)
+
+    def knock_camera(self, camera: str, to: Pose) -> None:
+        """Puts a camera elsewhere than its calibration says, and tells nobody.
+
+        Args:
+            camera: Device id of the camera.
+            to: Its optical frame from now on, in the frame where it was mounted.
+        """
+        self._knocked[camera] = to
 
     def picture(
         self, eye: Vector, target: Vector, *, width: int = 640, height: int = 480

@@ -59,6 +59,20 @@ def mounting_error(camera: str, seed: int, scale: float) -> Pose:
     return Pose.of(_MOUNTING * x, _MOUNTING * y, _MOUNTING * z, roll=_TILT * roll, pitch=_TILT * pitch, yaw=_TILT * yaw)
 
 
+def knocked(seed: int, move: float, tilt: float) -> Pose:
+    """Returns a bad error of a camera's mounting: sideways, and tilted so that both add up in what it sees.
+
+    Args:
+        seed: Draws to which side.
+        move: Distance [m].
+        tilt: Angle [rad].
+    """
+    side = np.random.default_rng([seed, 3]).uniform(0.0, math.tau)
+    x, y = math.cos(side), math.sin(side)
+    half = tilt / 2.0  # about the axis (-y, x), which tips the optical axis towards that side
+    return Pose((move * x, move * y, 0.0), (-math.sin(half) * y, math.sin(half) * x, 0.0, math.cos(half)))
+
+
 def measured_depth(depth: Array, noise: float, rng: np.random.Generator, scale: float) -> Array:
     """Returns distances as a depth camera measures them.
 

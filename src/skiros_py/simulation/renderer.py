@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.simulation import FLOOR, Colour, Rendering, View
+from skiros_py.ports.simulation import FLOOR, Colour, Print, Rendering, View
 from skiros_py.ports.values import CameraIntrinsics
 from skiros_py.workers import Call, Worker
 
@@ -30,6 +30,7 @@ _GREY: Colour = (0.5, 0.5, 0.5, 1.0)
 _NOTHING_COLOUR = 255
 _LIGHT = np.array((1.5, -2.0, 4.0)) / np.linalg.norm((1.5, -2.0, 4.0))  # where it comes from
 _AMBIENT, _DIFFUSE = 0.6, 0.4
+_PAPER, _INK = (0.95, 2e-4), (0.05, 4e-4)  # greys, and how far they lie on a face, so that rays meet them first [m]
 _ROUND = 64  # flat sides of a cylinder or sphere
 
 Floats = NDArray[np.float32]
@@ -37,11 +38,12 @@ Floats = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True)
 class BodyAppearance:
-    """Shape, colour and pose in the map of a body."""
+    """Shape, colour and pose in the map of a body, and what is printed on it."""
 
     solid: Solid
     colour: Colour
     pose: Pose
+    printed: Print | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +75,12 @@ class RenderedWorld(ABC, Generic[B, R]):
     Attributes:
         bodies: The bodies.
         robots: The robots.
+        printed: What is printed on bodies, by name.
     """
 
     def __init__(self) -> None:
         self.bodies: dict[str, B] = {}
+        self.printed: dict[str, Print] = {}
         self.robots: dict[str, R] = {}
         self._before_step: list[Callable[[], None]] = []
         self._renderer: Worker | None = None
@@ -100,7 +104,10 @@ class RenderedWorld(ABC, Generic[B, R]):
     def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
         """Renders the current moment in the renderer's process, which also calls ``finish``."""
         poses = self.poses()
-        bodies = [BodyAppearance(body.solid, body.colour, poses[name]) for name, body in self.bodies.items()]
+        bodies = [
+            BodyAppearance(body.solid, body.colour, poses[name], self.printed.get(name))
+            for name, body in self.bodies.items()
+        ]
         robots = [RobotAppearance(robot.urdf, robot.link_poses()) for robot in self.robots.values()]
         if view.robot is not None:
             view = replace(view, pose=self._robot(view.robot).link_poses()[view.link] @ view.pose, robot=None)
@@ -169,6 +176,7 @@ class Renderer:
         self._o3d = pybind
         self._models = {urdf: self._drawn(urdf) for urdf in urdfs}
         self._solids: dict[tuple[Solid, Colour], tuple[_Piece, ...]] = {}
+        self._prints: dict[Print, tuple[_Piece, ...]] = {}
 
     def render(
         self,
@@ -209,8 +217,10 @@ class Renderer:
         self, bodies: Iterable[BodyAppearance], robots: Iterable[RobotAppearance], eye: Pose, view: View
     ) -> Iterable[tuple[_Piece, Floats]]:
         """Yields what may be in the picture, with its corners in the frame of the camera."""
+        bodies = tuple(bodies)
         shown = [(piece, Pose((0.0, 0.0, -0.1))) for piece in self._built(_FLOOR, _FLOOR_COLOUR)]
         shown += [(piece, body.pose) for body in bodies for piece in self._built(body.solid, body.colour)]
+        shown += [(piece, body.pose) for body in bodies if body.printed for piece in self._inked(body.printed)]
         for robot in robots:
             if robot.urdf not in self._models:
                 self._models[robot.urdf] = self._drawn(robot.urdf)
@@ -225,6 +235,14 @@ class Renderer:
             )  # all of it is on one side of the picture
             if number == 0 or not (high[2] < view.near or low[2] > view.far or beyond.any()):
                 yield piece, corners.astype(np.float32)
+
+    def _inked(self, printed: Print) -> tuple[_Piece, ...]:
+        if printed not in self._prints:
+            rows, columns = len(printed.dark), len(printed.dark[0])
+            y, x = np.nonzero(np.array(printed.dark))
+            paper = _quads(np.zeros((1, 2)), np.array((columns, rows)), printed, _PAPER)
+            self._prints[printed] = paper, _quads(np.column_stack([x, y]), np.ones(2), printed, _INK)
+        return self._prints[printed]
 
     def _built(self, solid: Solid, colour: Colour) -> tuple[_Piece, ...]:
         if (solid, colour) not in self._solids:
@@ -264,6 +282,15 @@ class Renderer:
     def _piece(link: str, mesh: Any, pose: Pose, colour: Colour, scale: Iterable[float] = (1.0, 1.0, 1.0)) -> _Piece:
         corners = pose.apply(np.asarray(mesh.vertices) * np.asarray(scale))
         return _Piece(link, corners, np.asarray(mesh.triangles, np.uint32), 255.0 * np.asarray(colour[:3]))
+
+
+def _quads(firsts: Array, size: Array, printed: Print, look: tuple[float, float]) -> _Piece:
+    """Returns rectangles of one grey, whose first corners and size are counted in cells."""
+    grey, above = look
+    corners = firsts[:, None, :] + np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]) * size
+    places = np.concatenate([printed.cell * corners.reshape(-1, 2), np.full((4 * len(firsts), 1), -above)], axis=1)
+    triangles = (4 * np.arange(len(firsts))[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)])).reshape(-1, 3)
+    return _Piece("", printed.pose.apply(places), triangles.astype(np.uint32), np.full(3, 255.0 * grey))
 
 
 @functools.lru_cache(maxsize=8)

@@ -11,12 +11,14 @@ import numpy as np
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.geometry import Pose
+from skiros_py.ports.calibration import face_of
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
 from skiros_py.ports.device_faults import model_of
-from skiros_py.ports.simulation import Colour, Engine, SimulatedRobot, Surface
+from skiros_py.ports.simulation import Colour, Engine, Print, SimulatedRobot, Surface
 from skiros_py.simulation.imperfections import measured_off
 from skiros_py.simulation.spawn import free_pose, start_poses
+from skiros_py.system import require_extra
 
 _FURNITURE: Colour = (0.80, 0.67, 0.49, 1.0)
 _KIT: Colour = (0.25, 0.45, 0.60, 1.0)
@@ -125,6 +127,7 @@ class Scene:
 
         Raises:
             UsageError: There is a body of that id, or it is a compartment.
+            MissingExtra: It is a marker board, and OpenCV is not installed.
             DescriptionError: The device that carries it has no model.
         """
         if spec.id in self.bodies or spec.compartment:
@@ -133,6 +136,11 @@ class Scene:
         colour = self._colour(spec)
         self.engine.add_body(spec.id, spec.solid, pose, mass=mass, colour=colour, surface=_BODIES)
         self.bodies[spec.id] = spec
+        if spec.board is not None:
+            require_extra("calibration", f"simulating the marker board {spec.id}")
+            from skiros_py.charuco import dark_cells  # OpenCV, which most scenes never need
+
+            self.engine.printed[spec.id] = Print(*dark_cells(spec.board), face_of(spec.board, spec.solid))
         if spec.carrier is not None:
             robot = next((robot for robot in self.robots if robot.spec.has(spec.carrier)), None)
             if robot is None:
@@ -154,6 +162,7 @@ class Scene:
         """
         self.body(body_id)
         self.engine.remove_body(body_id)
+        self.engine.printed.pop(body_id, None)
         del self.bodies[body_id]
 
     def move(self, body_id: str, pose: Pose) -> None:

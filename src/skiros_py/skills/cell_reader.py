@@ -12,6 +12,7 @@ from typing import Any
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.interruptions import limited
+from skiros_py.ports.calibration import MarkerBoard
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
 from skiros_py.ports.device_faults import require_description
@@ -94,12 +95,26 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
     place = _place(view, element)
     _check_start(view, element, pose, place)
     compartment, mass = _is_compartment(view, element), _mass(view, element)
-    body = BodySpec(element, type_, solid, mass, pose, place, carrier, compartment=compartment)
+    board = read_board(view, element)
+    body = BodySpec(element, type_, solid, mass, pose, place, carrier, compartment=compartment, board=board)
     if None in (view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)):
         return body
     individual = _Individual(view, element)
     (half_x, half_y), (x, y, z) = individual.vector(v.SUPPORT_HALF_EXTENTS, 2), individual.vector(v.SUPPORT_OFFSET, 3)
     return replace(body, support=(half_x, half_y), support_centre=(x, y), support_height=z)
+
+
+def read_board(view: WorldView, element: str) -> MarkerBoard | None:
+    """Returns the board that is printed on an element; None for what is no marker board.
+
+    Raises:
+        DescriptionError: The board lacks something.
+    """
+    if not view.ontology.is_a(view.element(element).type, v.MARKER_BOARD):
+        return None
+    individual = _Individual(view, element)
+    columns, rows = individual.vector(v.SQUARES, 2)
+    return MarkerBoard(int(columns), int(rows), individual.number(v.SQUARE_SIDE), individual.number(v.MARKER_SIDE))
 
 
 def working_pose(view: WorldView, robot: str) -> Pose | None:

@@ -3,12 +3,29 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 
+from skiros_py.geometry import Pose
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.values import DepthImage
 
 _KEPT = 8
 """Number of pictures that wait for one robot at most; older ones are dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """Where something was seen.
+
+    Attributes:
+        robot: Pose of the robot in the map, as localised.
+        camera: Pose of the camera in the frame of the robot.
+        pose: Pose of what was seen in the frame of the robot.
+    """
+
+    robot: Pose
+    camera: Pose
+    pose: Pose
 
 
 class Pictures:
@@ -19,11 +36,15 @@ class Pictures:
 
     Attributes:
         unknown: Blocks around what pictures have shown that nothing explains, by the robot whose planner knows it.
+        sightings: Where things were last seen, by the ids of camera and thing.
+        compared: When what two pictures say was last compared, by camera [s].
     """
 
     def __init__(self) -> None:
         self._waiting: dict[str, deque[tuple[DepthImage, str]]] = {}
         self.unknown: dict[str, tuple[Obstacle, ...]] = {}
+        self.sightings: dict[tuple[str, str], Sighting] = {}
+        self.compared: dict[str, float] = {}
 
     def add(self, image: DepthImage, camera: str, robot: str) -> None:
         """Takes a picture.

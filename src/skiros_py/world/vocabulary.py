@@ -44,6 +44,9 @@ LOCATION: Final = ClassName("sk:Location")
 """An element at, in or on which others can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
 """A thing that a gripper can take."""
+MARKER_BOARD: Final = ClassName("sk:MarkerBoard")
+"""A panel on whose upper side a board for calibrating cameras is printed (ChArUco, dictionary 4x4_50), in its
+middle."""
 MODULE: Final = ClassName("sk:Module")
 """A unit that a skill manager can run."""
 OBJECT: Final = ClassName("sk:Object")
@@ -161,6 +164,9 @@ APPLIES_TO: Final = PropertyName("sk:appliesTo")
 """The class to which a learned concept applies."""
 AT_PLACE: Final = PropertyName("sk:atPlace")
 """Id of the place where the skill was done."""
+CALIBRATION_RESIDUAL: Final = PropertyName("sk:calibrationResidual")
+"""Root mean square distance of corners from where they should have been, in the calibration that has found
+sk:mounting [px]."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise at half a metre [m]."""
 DRIVER: Final = PropertyName("sk:driver")
@@ -211,6 +217,8 @@ LOAD_MASS: Final = PropertyName("sk:loadMass")
 """Mass that the sensor's joint carries when the hand is empty, whose weight it leaves out [kg]."""
 LOT: Final = PropertyName("sk:lot")
 """Number of the material lot it belongs to."""
+MARKER_SIDE: Final = PropertyName("sk:markerSide")
+"""Side length of a marker [m]."""
 MASS: Final = PropertyName("sk:mass")
 """Mass [kg]; 0 for static elements."""
 MAX_ANGULAR: Final = PropertyName("sk:maxAngular")
@@ -241,6 +249,9 @@ MODEL: Final = PropertyName("sk:model")
 """Name of the model of a robot, or of a device without a robot."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
 """The data that a person needs to start the module: help, parameters, implementations."""
+MOUNTING: Final = PropertyName("sk:mounting")
+"""Pose of the optical frame as a calibration has found it, in the frame that the model of its carrier has for it
+(sk:frame), or in that of its sk:pose; without it, they are the same [m, rad]."""
 OF_ROBOT: Final = PropertyName("sk:ofRobot")
 """Id of the robot that was observed."""
 OF_SKILL: Final = PropertyName("sk:ofSkill")
@@ -260,11 +271,18 @@ RUN_TIMES: Final = PropertyName("sk:runTimes")
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")
 """Position of the location in a robot's round: within one task no robot visits a lower number after a higher one.
 Locations without a number can be visited at any time."""
+SIGHT_ERROR: Final = PropertyName("sk:sightError")
+"""By how much the camera sees things off, found by comparing two pictures; without it, not more than a calibrated
+one does [m]."""
 SIZE: Final = PropertyName("sk:size")
 """Full extents around the element's frame, x y or x y z [m]."""
 SOLID: Final = PropertyName("sk:solid")
 """Shape: a list of boxes (size x, y, z) and cylinders (size radius, length along z) with their centres 'at' and
 fixed-axis 'rpy', in the element's frame, which lies on the support plane [m, rad]."""
+SQUARE_SIDE: Final = PropertyName("sk:squareSide")
+"""Side length of a square [m]."""
+SQUARES: Final = PropertyName("sk:squares")
+"""Number of squares along the x and the y axis of the board."""
 STOCK_COUNT: Final = PropertyName("sk:stockCount")
 """The number of elements without individuals of their own."""
 STOCK_OF: Final = PropertyName("sk:stockOf")
