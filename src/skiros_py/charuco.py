@@ -27,7 +27,8 @@ def corners_in(picture: NDArray[np.uint8], board: MarkerBoard) -> tuple[Array, A
     """Returns the corners of a board that are seen in a picture: their places on the board [m], and pixels."""
     own = _charuco(board)
     grey = np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
-    pixels, numbers, _, _ = cv2.aruco.CharucoDetector(own).detectBoard(grey)
+    found: Any = cv2.aruco.CharucoDetector(own).detectBoard(grey)  # None where nothing is seen, whatever its types say
+    pixels, numbers, *_ = found
     if numbers is None or pixels is None:
         return np.zeros((0, 3)), np.zeros((0, 2))
     places: Array = np.asarray(own.getChessboardCorners(), float)
