@@ -6,14 +6,15 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from skiros_primitives.looking import LookingParams, LookingPrimitive, looks_into
+from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, looks_into
 from skiros_primitives.part_models import downward
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.motion import Held
+from skiros_py.ports.motion import Held, MotionPlan, NoMotion
 from skiros_py.skills.context import Tried
-from skiros_py.skills.outcome import Execution, Outcome, Success
+from skiros_py.skills.outcome import Execution, Outcome, Success, tick
 
 POINT = (1.0, 2.0, 0.5)
 HEIGHT = 0.46
@@ -48,8 +49,8 @@ class Looking(LookingPrimitive):
         """Returns from which sides it looks at a place beside the point, in some direction."""
         angle = math.radians(degrees)
         shown = (POINT[0] + 0.1 * math.cos(angle), POINT[1] + 0.1 * math.sin(angle), POINT[2])
-        first, others = self._sides(POINT, Pose(), shown)
-        assert sorted([*first, *others]) == [0, 1, 2, 3]
+        first, *others = self._sides(range(4), POINT, Pose(), shown)
+        assert sorted(sum(others, first)) == [0, 1, 2, 3]
         return first
 
     def from_where(self, views: list[int]) -> int | None:
@@ -106,3 +107,81 @@ PLACE = Pose.of(1.0, 0.5, 0.8, yaw=0.7)
 )
 def test_a_place_is_looked_into_without_a_motion_only_steeply_from_above(camera: Pose, seen: bool) -> None:
     assert looks_into(PLACE @ camera, PLACE) is seen
+
+
+class Shy(Looking):
+    """One whose arm cannot hold its camera straight above anything, or not at all; nothing moves in fact."""
+
+    tilted: bool = True
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: list[tuple[float, tuple[float, ...]]] = []
+
+    @property
+    def base_pose(self) -> Pose:
+        return Pose()
+
+    def carries(self, camera: str) -> bool:
+        return camera == "camera"
+
+    def plan(self, routes: Any, **options: Any) -> Execution[MotionPlan | NoMotion]:
+        """Plans to where the camera is not straight above the point."""
+        yield
+        cameras = [route[0].pose @ MOUNT for route in routes]
+        self.asked.append((cameras[0].distance(Pose(POINT)), options["shares"]))
+        if self.tilted and all(off_vertical(camera) > 0.1 for camera in cameras):
+            return MotionPlan(0, ())
+        return NoMotion.because("reach", "out of reach")
+
+    def follow_plan(self, planned: MotionPlan) -> Execution[NoMotion | None]:
+        yield
+        assert planned.route == 0
+
+    def capture(self) -> Execution[Any]:
+        yield
+        return "a picture"
+
+
+def off_vertical(camera: Pose) -> float:
+    """Returns the angle between where a camera looks and straight down [rad]."""
+    return math.acos(min(1.0, -float(camera.matrix()[2, 2])))
+
+
+def looked(looking: Shy) -> Any:
+    run = looking.look_down(POINT)
+    while (result := tick(run)) is None:
+        pass
+    return result
+
+
+def test_where_the_arm_cannot_hold_the_camera_straight_above_it_looks_from_the_side() -> None:
+    looking = Shy()
+
+    assert looked(looking) == "a picture"
+
+    *downward, last = looking.asked
+    assert [round(distance, 3) for distance, _ in downward] == [0.46, 0.40, 0.34, 0.28, 0.22]  # each asked for once
+    assert last[1] == (1.0,)
+
+
+def test_where_no_view_is_within_reach_it_says_so_and_asks_for_each_distance_once() -> None:
+    looking = Shy()
+    looking.tilted = False
+
+    refusal = looked(looking)
+
+    assert refusal.values["cause"] == "reach"
+    assert {share for _, share in looking.asked} == {(1.0,)}
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_every_view_has_the_point_in_the_middle_and_tilted_ones_stand_on_the_side_of_the_base(heading: float) -> None:
+    assert max(view.tilt for view in VIEWS) <= math.radians(50.0)
+    for view in VIEWS:
+        camera = view.pose(POINT, 0.3, heading)
+
+        assert camera.inverse().apply(np.array([POINT])) == pytest.approx(np.array([[0.0, 0.0, 0.3]]))
+        assert off_vertical(camera) == pytest.approx(view.tilt, abs=1e-6)
+        aside = np.subtract(camera.position, POINT)[:2] @ (math.cos(heading), math.sin(heading))
+        assert aside < -0.05 if view.tilt else aside == pytest.approx(0.0)

@@ -17,7 +17,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives.arm_moves import LIFTS, above_routes
-from skiros_primitives.looking import lowest_looks
+from skiros_primitives.looking import possible_looks
 from skiros_primitives.part_models import downward, level
 from skiros_primitives.sighting import on_floor
 from skiros_primitives.surfaces import inner_region, support_region
@@ -189,14 +189,14 @@ class Docks:
             reached += yield from self._primitive.wait(self._reached(some))
         if missing := self._out_of_reach(reached):
             return self._refusal(missing)
-        wanted, everything = self._task.wanted, len(self._task.targets())
-        best, left = taught, _PLANNED
-        most = (yield from self.planned(taught, wanted)) + self._looks(reached, 0)
+        everything, best, left = len(self._task.targets()), taught, _PLANNED
+        most = (yield from self.planned(taught, self._within_reach(reached[0]))) + self._looks(reached, 0)
         for number in self._ranked(bases, reached, taught):
             if most == everything or left == 0:
                 break
             if self._count(reached[number]) > most and (yield from is_free(bases[number])):
                 left -= 1
+                wanted = self._within_reach(reached[number])
                 count = (yield from self.planned(bases[number], wanted)) + self._looks(reached, number)
                 best, most = (bases[number], count) if count > most else (best, most)
         return best
@@ -215,6 +215,10 @@ class Docks:
             seed=self._primitive.seed(),
         )
         return self._context.port(ReachChecker, self._arm.id).reach(request)
+
+    def _within_reach(self, there: Reached) -> list[Wanted]:
+        """Returns what is wanted that postures reach: for the rest, no motion has to be searched."""
+        return [one for one, left in zip(self._task.wanted, there, strict=False) if left is not None]
 
     def _looks(self, reached: Sequence[Reached], number: int) -> int:
         return self._count(reached[number][len(self._task.wanted) :])
@@ -327,7 +331,7 @@ def task_at(context: RunContext, arm: ArmSpec, gripper: GripperSpec, location: s
     found = [*_wanted(context, location, held)]
     named = [one for one in found if one.id in context.ahead]
     wanted = sorted(named or found, key=lambda one: -one.tools[0].distance(taught))
-    looks = tuple(lowest_looks(context, arm, taught, point) for point in _looked_at(context, location, held, wanted))
+    looks = tuple(possible_looks(context, arm, taught, point) for point in _looked_at(context, location, held, wanted))
     return Task(tuple(wanted), tuple(filter(None, looks)), _touching(context, location), held)
 
 

@@ -1,4 +1,7 @@
-"""Looks from straight above: at a part or a kit for its exact pose, into a compartment for its content."""
+"""Looks from above: at a part or a kit for its exact pose, into a compartment for its content.
+
+The camera looks straight down wherever the arm can hold it so; at high places, it looks at them from the side.
+"""
 
 from __future__ import annotations
 
@@ -44,12 +47,64 @@ from skiros_py.world.transaction import Transaction
 
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
 """Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
-_VIEWS = 4
+_QUARTERS = 4
 """The camera is turned to so many sides."""
+_TILTS = (math.radians(25.0), math.radians(45.0))
+"""Angles off the vertical at which it looks where the arm cannot hold it straight above, best first."""
+_DISTANCES = (0.42, 0.36, 0.30, 0.25)
+"""Distances at which it looks from the side, best first [m]: nearer than that a kit does not fit into a picture."""
+_SIDES = (math.pi, math.pi - math.radians(50.0), math.pi + math.radians(50.0))
+"""From where it looks then, against the heading of the base, which faces the place: from the arm, and from beside."""
+_ROUND = 6
+"""From so many sides it may look at a place at which it is not known yet where the base will stand."""
 _THERE = 0.02
 """A camera this near to where it should look from need not move [m] ..."""
 _ALIGNED = math.radians(3.0)
 """... if it is aligned this well."""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """How a camera looks at a point.
+
+    Attributes:
+        tilt: Angle between its axis and the vertical [rad].
+        side: Heading from the point to the camera, or of the camera's x axis where it looks straight down; against the
+            heading of the base [rad].
+        turn: How far it is turned about its axis [rad].
+    """
+
+    tilt: float
+    side: float
+    turn: float = 0.0
+
+    def pose(self, point: Vector, distance: float, heading: float) -> Pose:
+        """Returns where the camera is.
+
+        Args:
+            point: What it looks at, in the map [m].
+            distance: How far it is from there [m].
+            heading: Heading of the base in the map [rad].
+        """
+        x, y, z = point
+        if not self.tilt:
+            return downward(x, y, z + distance, heading + self.side)
+        leaning = Pose.of(x, y, z, yaw=heading + self.side) @ Pose.of(0.0, 0.0, 0.0, pitch=self.tilt)
+        return leaning @ downward(0.0, 0.0, distance, self.turn)
+
+
+_QUARTER_TURNS = tuple(math.tau * quarter / _QUARTERS for quarter in range(_QUARTERS))
+VIEWS = (
+    *(View(0.0, turn) for turn in _QUARTER_TURNS),
+    *(View(tilt, side, turn) for tilt, side, turn in product(_TILTS, _SIDES, _QUARTER_TURNS)),
+)
+_DOWN = range(_QUARTERS)
+"""Numbers of the views straight down."""
+_LOOKS: tuple[tuple[Sequence[int], tuple[float, ...]], ...] = (
+    (_DOWN, _LOOK_HEIGHTS),
+    *(([number for number, view in enumerate(VIEWS) if view.tilt == tilt], _DISTANCES) for tilt in _TILTS),
+)
+"""Numbers of the views that are alike, and at which distances they are taken [m], the best first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +127,7 @@ class LookingPrimitive(ArmPrimitive):
     def in_vain(self, reason: str) -> Failure:
         """Returns a failure; the next look for the same purpose is one from another side."""
         if self._view is not None:
-            angle = 360.0 * self._view / _VIEWS
+            angle = math.degrees(VIEWS[self._view].side)
             self.context.tried.note("view", self._view, Message("looked from {angle:.0f} deg", angle=angle))
         return Failure(reason)
 
@@ -101,9 +156,10 @@ class LookingPrimitive(ArmPrimitive):
     def look_down(
         self, point: Vector, *, aside: float = 0.0, shown: Vector | None = None
     ) -> Execution[tuple[DepthImage, Pose] | NoMotion]:
-        """Takes a picture from straight above a point; returns it with the camera's pose in the map.
+        """Takes a picture from above a point; returns it with the camera's pose in the map.
 
-        Where the camera looks at it from there already, nothing moves; nor where it is not on the arm.
+        Straight down wherever that is possible, else from a side. Where the camera looks at it from there already,
+        nothing moves; nor where it is not on the arm.
 
         Args:
             point: Where to look, on the viewed surface in the map [m].
@@ -115,22 +171,35 @@ class LookingPrimitive(ArmPrimitive):
             return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
-        choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
-        for share, height, views in choices:  # rather lower than nearer to things
-            view, stuck = None if aside else self._looks_from(point, height, base, views), None
-            if view is None:
-                routes = self._routes(point, height, base, views, aside=aside)
-                planned = yield from self.plan(routes, shares=(share,))
-                stuck = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
-                view = views[planned.route] if isinstance(planned, MotionPlan) else None
-            if view is not None and stuck is None:
-                self._view = view
-                return (yield from self.capture())
-            refusal = refusal if stuck is None else further(refusal, stuck)
+        for numbers, distances in _LOOKS:
+            beyond: set[tuple[float, int]] = set()  # what is out of reach stays so, however near to things it may be
+            choices = product(SHARES, distances, self._sides(numbers, point, base, shown))
+            for share, distance, views in choices:  # rather lower than nearer to things
+                if (distance, views[0]) in beyond:
+                    continue
+                stuck = yield from self._take_view(views, point, distance, base, aside=aside, share=share)
+                if stuck is None:
+                    return (yield from self.capture())
+                beyond |= {(distance, views[0])} if refused(stuck).is_out_of_reach else set()
+                refusal = further(refusal, stuck)
         assert refusal is not None, "each view is taken or refused"
         x, y, _ = point
         reason = Message("cannot look at ({x:.2f}, {y:.2f}) from above: {reason}", x=x, y=y, reason=refusal.reason)
         return replace(refusal, reason=reason)
+
+    def _take_view(
+        self, views: Sequence[int], point: Vector, distance: float, base: Pose, *, aside: float, share: float
+    ) -> Execution[NoMotion | None]:
+        """Moves the camera to one of some views, unless it looks from there already; returns why it does not."""
+        at = None if aside else self._looks_from(point, distance, base, views)
+        if at is None:
+            planned = yield from self.plan(self._routes(point, distance, base, views, aside=aside), shares=(share,))
+            stuck = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
+            if stuck is not None or isinstance(planned, NoMotion):
+                return stuck
+            at = views[planned.route]
+        self._view = at
+        return None
 
     def plan_look(self, point: Vector, base: Pose, shown: Vector | None = None) -> Execution[MotionPlan | NoMotion]:
         """Plans the motion to where the camera looks straight down at a point, as for :meth:`look_down`.
@@ -140,40 +209,43 @@ class LookingPrimitive(ArmPrimitive):
             base: Where the base will be then, in the map.
             shown: A place beside the point that what is held should not hide, in the map [m].
         """
-        fresh, _ = self._sides(point, base, shown)
+        fresh, *_ = self._sides(_DOWN, point, base, shown)
         return (yield from self.plan(self._routes(point, _LOOK_HEIGHTS[0], base, fresh), base=base))
 
-    def _sides(self, point: Vector, base: Pose, shown: Vector | None) -> tuple[list[int], list[int]]:
-        """Returns the numbers of the sides to look from, those that promise more first.
+    def _sides(self, numbers: Sequence[int], point: Vector, base: Pose, shown: Vector | None) -> list[list[int]]:
+        """Returns some views in groups, those first that promise more.
 
         What is held hides the half of a picture in which the tip is.
         """
-        fresh = self.context.tried.fresh("view", range(_VIEWS))
+        fresh = list(self.context.tried.fresh("view", numbers))
         if shown is not None and self.held() is not None:
-            beside = math.atan2(shown[1] - point[1], shown[0] - point[0])
-            tip_x, tip_y, _ = self.camera_in_tip(self._camera).inverse().position
-            free = math.atan2(tip_y, -tip_x)  # the heading of the other half, where the camera looks down with yaw 0
-            fresh = [view for view in fresh if math.cos(_yaw(base, view) + free - beside) > 0.0] or fresh
-        return fresh, [view for view in range(_VIEWS) if view not in fresh]
+            tip = self.camera_in_tip(self._camera).inverse().position[:2]
+
+            def is_beside(number: int) -> bool:
+                place = VIEWS[number].pose(point, _DISTANCES[0], base.yaw).inverse() @ Pose(shown)
+                return place.position[0] * tip[0] + place.position[1] * tip[1] < 0.0
+
+            fresh = list(filter(is_beside, fresh)) or fresh
+        return [some for some in (fresh, [number for number in numbers if number not in fresh]) if some]
 
     def _routes(
-        self, point: Vector, height: float, base: Pose, views: Sequence[int], *, aside: float = 0.0
+        self, point: Vector, distance: float, base: Pose, views: Sequence[int], *, aside: float = 0.0
     ) -> list[Route]:
         camera_in_tip = self.camera_in_tip(self._camera)
         x, y, _ = camera_in_tip.position
         away = -aside / max(1e-9, math.hypot(x, y))
         back = camera_in_tip.inverse() @ Pose((away * x, away * y, 0.0))
-        return [(PoseMove(_above(point, height, _yaw(base, view)) @ back),) for view in views]
+        return [(PoseMove(VIEWS[view].pose(point, distance, base.yaw) @ back),) for view in views]
 
     @property
     def _camera(self) -> CameraSpec:
         return self.context.cell.device(self.params.camera, CameraSpec)
 
-    def _looks_from(self, point: Vector, height: float, base: Pose, views: Sequence[int]) -> int | None:
-        """Returns from which of some sides the camera looks at a point already; None for none of them."""
+    def _looks_from(self, point: Vector, distance: float, base: Pose, views: Sequence[int]) -> int | None:
+        """Returns in which of some views the camera looks at a point already; None for none of them."""
         camera = self.context.frames.at(self.context.board.snapshot).located(self.params.camera)
         for view in views:
-            off = _above(point, height, _yaw(base, view)).inverse() @ camera
+            off = VIEWS[view].pose(point, distance, base.yaw).inverse() @ camera
             if math.hypot(*off.position) < _THERE and abs(off.orientation[3]) > math.cos(_ALIGNED / 2.0):
                 return view
         return None
@@ -247,17 +319,17 @@ class LookingPrimitive(ArmPrimitive):
         return True
 
 
-def lowest_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:
-    """Returns the poses of an arm's tip from which its camera looks straight down at a point from the least height.
+def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:
+    """Returns poses of an arm's tip in one of which it has to be to look at a point.
 
     Args:
         context: The run.
         arm: The arm.
-        base: Where its base stands about, in the map.
+        base: Where its base stands about, in the map; it may stand on any side.
         point: Where to look, in the map [m].
 
     Returns:
-        Alternatives; none for an arm without a camera.
+        Alternatives, those straight down first, from the least height; none for an arm without a camera.
     """
     mine = context.world.objects(arm.id, v.HAS_A)
     camera = next((one for one in context.cell.group_of(arm.id).of(CameraSpec) if one.id in mine), None)
@@ -265,16 +337,13 @@ def lowest_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -
         return ()
     kinematics, home = context.port(Kinematics, arm.id), dict(zip(arm.joints, arm.home, strict=True))
     back = kinematics.pose(camera.frame, home).inverse() @ kinematics.pose(arm.tip, home)
-    return tuple(_above(point, _LOOK_HEIGHTS[-1], _yaw(base, view)) @ back for view in range(_VIEWS))
-
-
-def _yaw(base: Pose, view: int) -> float:
-    return base.yaw + view * math.tau / _VIEWS
-
-
-def _above(point: Vector, height: float, yaw: float) -> Pose:
-    """Returns the pose of a camera that looks straight down at a point."""
-    return downward(*point[:2], point[2] + height, yaw)
+    down = [VIEWS[number].pose(point, _LOOK_HEIGHTS[-1], base.yaw) for number in _DOWN]
+    sides = [math.tau * side / _ROUND for side in range(_ROUND)]
+    tilted = [
+        View(_TILTS[-1], side, turn).pose(point, _DISTANCES[1], base.yaw)
+        for side, turn in product(sides, _QUARTER_TURNS)
+    ]
+    return tuple(pose @ back for pose in (*down, *tilted))
 
 
 _CLEAR = 0.9
@@ -390,14 +459,16 @@ class RegisterPart(LookingPrimitive):
         if off is not None:
             self.progress(_OFF, off)
 
-    def _sides(self, point: Vector, base: Pose, shown: Vector | None) -> tuple[list[int], list[int]]:
+    def _sides(self, numbers: Sequence[int], point: Vector, base: Pose, shown: Vector | None) -> list[list[int]]:
         """Returns first those sides from which what is seen tells whether the camera is where it is believed to be."""
-        fresh, others = super()._sides(point, base, shown)
-        if self._first is None:
-            return fresh, others
-        first, height = self._first, _LOOK_HEIGHTS[0]
-        turned = [one for one in fresh if is_turned(first, _above(point, height, _yaw(base, one)))]
-        return turned or fresh, [one for one in (*fresh, *others) if turned and one not in turned] or others
+        groups, first = super()._sides(numbers, point, base, shown), self._first
+        if first is None:
+            return groups
+        fresh, distance = groups[0], _LOOK_HEIGHTS[0]
+        turned = [one for one in fresh if is_turned(first, VIEWS[one].pose(point, distance, base.yaw))]
+        if not turned:
+            return groups
+        return [some for some in (turned, [one for group in groups for one in group if one not in turned]) if some]
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:

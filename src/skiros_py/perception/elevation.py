@@ -250,14 +250,16 @@ def _ceilings(view: View, plane: Plane, x: Array, y: Array) -> Array:
 
 _CELL = 0.005
 _BESIDE = 0.020
+_SHADOW = 0.085
+"""What hides a place from farther in front of it may hide a whole part there [m]."""
 
 
 def visible_share(view: View, plane: Plane, half_extents: tuple[float, float]) -> float:
     """Returns the share of a region's cells that the camera saw, 0 to 1.
 
     A cell is seen when its ray lies inside the image and ends on the surface or on something on it that may be a
-    part: not higher than any part, and inside the region or just beside it. What hides the region from farther off
-    is an occluder.
+    part: not higher than any part, inside the region or just beside it, and not far from the cell. What hides it from
+    farther off is an occluder; where the camera looks aslant, a high part is one for what lies behind it.
 
     Args:
         view: The look, in the region's frame.
@@ -271,5 +273,6 @@ def visible_share(view: View, plane: Plane, half_extents: tuple[float, float]) -
     hits = view.hits(expected, measured, cells)
     low = plane.heights(hits) <= HIGHEST
     near = np.all(np.abs(hits[:, :2]) <= np.asarray(half_extents) + _BESIDE, axis=1)
+    near &= np.linalg.norm(hits[:, :2] - cells[:, :2], axis=1) <= _SHADOW
     reached = measured >= expected  # a ray that went on below the surface met nothing on its way
     return float(np.mean((measured > 0.0) & (reached | (low & near))))

@@ -48,6 +48,24 @@ def test_a_kit_is_located_to_a_millimetre_whatever_it_contains(studio: Studio, a
         assert abs(error.yaw) <= math.radians(0.3)
 
 
+@pytest.mark.parametrize("tilt", [25.0, 45.0])
+def test_a_kit_is_located_from_the_side(studio: Studio, tilt: float) -> None:
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        kit = Pose.of(0.3, 0.1, 0.5, yaw=rng.uniform(-3.0, 3.0))
+        bodies = [studio.table(0.5, 0.3, 0.1), (studio.kit, kit), *filled(studio, kit, rng, seed % 5)]
+        aside = Pose.of(0.3, 0.1, 0.5, yaw=rng.uniform(-3.0, 3.0)) @ Pose.of(0.0, 0.0, 0.0, pitch=math.radians(tilt))
+        camera = aside @ studio.over(0.0, 0.0, 0.36, 0.5 * math.pi * (seed % 4))
+
+        image = studio.shoot(bodies, camera, rng)
+        result = register(RegistrationRequest(image, camera, studio.kit, misplaced(kit, rng), seed))
+
+        assert result.pose is not None, (seed, result.reason)
+        error = kit.inverse() @ result.pose
+        assert math.hypot(*error.position) <= 0.003
+        assert abs(error.yaw) <= math.radians(1.0)
+
+
 def scaled(solid: Solid, by: float, wall: float = 0.006) -> Solid:
     """A kit of another size, and with walls of another thickness."""
     blocks = []

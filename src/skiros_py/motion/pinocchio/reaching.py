@@ -8,7 +8,7 @@ import numpy as np
 
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.motion.pinocchio.collision import CollisionScene
+from skiros_py.motion.pinocchio.collision import Checker, CollisionScene
 from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import Reached, ReachRequest
 
@@ -43,6 +43,7 @@ class _Reach:
         self._arm, self._solver, self._scene, self._request = arm, solver, scene, request
         self._to_base, self._near = base.inverse(), np.array(request.near)
         self._rng = np.random.default_rng(request.seed)
+        self._checkers: dict[float, Checker] = {}
 
     def best(self, alternatives: Sequence[Sequence[Pose]]) -> float | None:
         """Returns the comfort of the first alternative that can be reached."""
@@ -55,8 +56,6 @@ class _Reach:
         x, y, z = self._arm.shoulder.tolist()
         if any(pose.distance(Pose((x, y, z))) > self._arm.reach for pose in poses):
             return None
-        lowest = min(pose.position[2] for pose in poses)
-        checker = self._scene.checker(_MARGIN, self._request.touching, lowest=lowest)
         limits = self._arm.lower, self._arm.upper
         for start in self._solver.branches(first, self._near, limits, self._rng, count=_POSTURES, restarts=_SEEDS):
             chain = [start]
@@ -65,9 +64,18 @@ class _Reach:
                 if after is None:
                     break
                 chain.append(after)
-            if len(chain) == len(poses) and all(checker.clear(posture) for posture in chain):
+            if len(chain) < len(poses):
+                continue
+            checker = self._checker(min(pose.position[2] for pose in poses))
+            if all(checker.clear(posture) for posture in chain):
                 return min(self._left(posture) for posture in chain)
         return None
+
+    def _checker(self, lowest: float) -> Checker:
+        """Returns what checks postures with the tip no lower than a height [m]; making one takes long."""
+        if lowest not in self._checkers:
+            self._checkers[lowest] = self._scene.checker(_MARGIN, self._request.touching, lowest=lowest)
+        return self._checkers[lowest]
 
     def _left(self, posture: Array) -> float:
         """Returns how far a posture is from the nearest limit, as a share of half the range of that joint."""
