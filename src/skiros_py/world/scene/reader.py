@@ -1,7 +1,7 @@
 """Reads individuals from files, as the edits that add them to a world.
 
 A scene may state ``scene:robot_2 sk:builtLike scene:robot_1`` and, for the parts, only the differences, such as where
-base_2 starts.
+base_2 starts. Instead of another robot it may name the file that describes one, by its IRI.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.ontology.statements import Statements
 from skiros_py.world.terms import Family, reached
-from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, STRUCTURE
+from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, ROBOT, STRUCTURE
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
 
@@ -49,27 +49,39 @@ class Individual:
 _NUMBERED = re.compile(r"(.*?)_?(\d+)")
 
 
-def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str, ontology: Ontology) -> None:
+def add_copy(
+    individuals: MutableMapping[str, Individual],
+    copy: str,
+    like: str,
+    ontology: Ontology,
+    described: Mapping[str, Individual] | None = None,
+) -> None:
     """Completes a robot from the description of another one, and creates its parts.
 
     Existing statements about the copy and its parts are kept. Map poses of parts are not copied: two bases do not
     start in one place.
 
     Args:
-        individuals: All individuals by name; both robots are among them, the one to copy is complete.
+        individuals: All individuals by name, among them the robot to complete.
         copy: Name of the robot to complete.
         like: Name of the robot to copy from.
         ontology: Defines which relations are structure.
+        described: The individuals among which the robot to copy is described in full; None for these.
     """
-    below = ontology.sub_relations(STRUCTURE)
+    below, source = ontology.sub_relations(STRUCTURE), individuals if described is None else described
 
     def parts(whole: str) -> list[str]:
-        return [to for relation, to in individuals[whole].relations if relation in below and to in individuals]
+        return [to for relation, to in source[whole].relations if relation in below and to in source]
 
     pieces = reached([like], parts)
     names = {piece: copy if piece == like else _renamed(piece, like, copy) for piece in pieces}
     for piece, name in names.items():
-        _complete(individuals.setdefault(name, Individual()), individuals[piece], names, ontology)
+        _complete(individuals.setdefault(name, Individual()), source[piece], names, ontology)
+
+
+def _is_iri(name: str) -> bool:
+    """Returns True for the IRI of a file, False for the id of an individual."""
+    return "/" in name or ":" in name
 
 
 def _renamed(piece: str, like: str, copy: str) -> str:
@@ -157,6 +169,7 @@ class Reader:
         self._individuals: dict[str, Individual] = {}
         self._goals: set[str] = set()
         self._copies: dict[str, str] = {}
+        self._described_in: dict[str, Reader] = {}
 
     def take(self, file: Document, *, whole: bool = False) -> None:
         """Reads a file's statements about individuals of the namespace.
@@ -179,6 +192,14 @@ class Reader:
             if iri != last:
                 last, name = iri, self._names.name(iri)
             self._take(file, triple, name)
+
+    def copied_files(self) -> list[str]:
+        """Returns the IRIs of files whose robots are copied."""
+        return sorted({like for like in self._copies.values() if _is_iri(like)})
+
+    def describe(self, iri: str, reader: Reader) -> None:
+        """Tells what a file whose robot is copied describes, with what it imports."""
+        self._described_in[iri] = reader
 
     def edits(self) -> Iterator[Edit]:
         """Yields the edits that make a world without these individuals one with them; may be called once.
@@ -257,7 +278,8 @@ class Reader:
         elif predicate.name not in self._ontology.relations:
             raise self._misused(file, triple, "relation", predicate)
         elif isinstance(object_, ox.NamedNode) and predicate.name == BUILT_LIKE:
-            self._take_copy(name, self._names.name(object_.value))
+            iri = object_.value
+            self._take_copy(name, self._names.name(iri) if iri.startswith(self._namespace) else iri)
         elif isinstance(object_, ox.NamedNode):
             individual.relations.append((predicate.name, self._names.name(object_.value)))
         else:
@@ -302,12 +324,26 @@ class Reader:
 
     def _add_copies(self) -> None:
         for name, like in sorted(self._copies.items()):
+            if like in self._described_in:
+                described = self._described_in[like]._individuals
+                add_copy(self._individuals, name, self._robot_of(name, like, described), self._ontology, described)
+                continue
             self._described(name, BUILT_LIKE, like)
             if like in self._copies:
                 reason = f"{like} is {BUILT_LIKE} {self._copies[like]} itself: name one that is described in full"
                 raise self._fault(f"{name}: {reason}", name, BUILT_LIKE, like)
             add_copy(self._individuals, name, like, self._ontology)
         self._copies.clear()
+
+    def _robot_of(self, name: str, iri: str, described: Mapping[str, Individual]) -> str:
+        """Returns the robot that a file describes."""
+        classes = {ROBOT, *self._ontology.subclasses(ROBOT)}
+        robots = [one for one, individual in described.items() if classes.intersection(individual.types)]
+        if len(robots) != 1:
+            found = ", ".join(sorted(robots)) or "none"
+            reason = f"{name}: <{iri}> must describe one robot, and describes {found}"
+            raise self._fault(reason, name, BUILT_LIKE)
+        return robots[0]
 
     def _element(self, name: str, individual: Individual) -> Element:
         class_ = self._class(name, individual)
