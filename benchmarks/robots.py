@@ -2,9 +2,9 @@
 
     uv run --group test python benchmarks/robots.py --robot mobile_iiwa --robot ur10e_cell --picks 100
 
-Each robot takes parts of at least five types from a pallet with clutter, and puts them into a kit; where these stand, what
-the parts are, what they weigh and how slippery the fingers are is drawn from the seed of a scene, and judged by the
-simulator's truth. ``--half`` is for one half of the ranges only. Without ``--robot``, cameras are calibrated: from
+Each robot takes parts of at least five types from a pallet with clutter, and puts them into a kit; where these stand,
+what the parts are, what they weigh and how slippery the fingers are is drawn from the seed of a scene, and judged by
+the simulator's truth. ``--half`` is for one half of the ranges only. Without ``--robot``, cameras are calibrated: from
 pictures of a printed board.
 """
 

@@ -9,7 +9,5 @@ from skiros_robots.three_finger_gripper import with_gripper
 
 _HERE = Path(__file__).parent
 
-MOBILE_FANUC = RobotModel(
-    "mobile_fanuc", lambda: with_gripper(_HERE / "mobile_fanuc.urdf"), _HERE / "mobile_fanuc.ttl"
-)
+MOBILE_FANUC = RobotModel("mobile_fanuc", lambda: with_gripper(_HERE / "mobile_fanuc.urdf"), _HERE / "mobile_fanuc.ttl")
 """The robot of the scene kitting_fanuc."""

@@ -8,7 +8,7 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBOT
 from skiros_skills import kitting
-from skiros_skills.conditions import EMPTY_HANDED, HAS_PART, HOLDING, OBJECT_AT_LOCATION, REACHES, ROBOT_AT_LOCATION
+from skiros_skills.conditions import EMPTY_HANDED, HANDED_OVER, HAS_PART, HOLDING, REACHES, ROBOT_AT_LOCATION
 
 DESCRIPTION = SkillDescription(
     name="hand_over",
@@ -30,7 +30,7 @@ DESCRIPTION = SkillDescription(
         any_of(ROBOT_AT_LOCATION("Robot", "Shelf"), REACHES("Robot", "Shelf")),
         HOLDING("Gripper", "Object"),
     ),
-    post=(OBJECT_AT_LOCATION("Object", "Shelf"), EMPTY_HANDED("Gripper")),
+    post=(HANDED_OVER("Object", "Shelf"), EMPTY_HANDED("Gripper")),
     duration=7.5,
 )
 

@@ -1,4 +1,4 @@
-"""The mobile Fanuc: its description is that of the published arm on a base that carries it; what it shares is shared."""
+"""The mobile Fanuc: its description is that of the published arm, its base carries it, its hand is that of the cell."""
 
 from __future__ import annotations
 

@@ -295,7 +295,7 @@ def _read(ontology: Ontology, path: Path, ontology_paths: Sequence[Path]) -> Rea
         described = Reader(ontology)
         for file in _with_imports(document, (iri,), known)[1:]:
             described.take(file)
-        reader.describe(iri, described)
+        reader.describe(iri, described.individuals)
     return reader
 
 

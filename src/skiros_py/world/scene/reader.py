@@ -157,6 +157,7 @@ class Reader:
 
     Attributes:
         files: The files read so far.
+        individuals: The individuals read so far, by name, as their files describe them.
     """
 
     def __init__(self, ontology: Ontology, namespace: str = SCENE) -> None:
@@ -166,10 +167,10 @@ class Reader:
         self._namespace = namespace
         self._predicates: dict[str, Predicate] = {}
         self._types: dict[str, str] = {}
-        self._individuals: dict[str, Individual] = {}
+        self.individuals: dict[str, Individual] = {}
         self._goals: set[str] = set()
         self._copies: dict[str, str] = {}
-        self._described_in: dict[str, Reader] = {}
+        self._described_in: dict[str, Mapping[str, Individual]] = {}
 
     def take(self, file: Document, *, whole: bool = False) -> None:
         """Reads a file's statements about individuals of the namespace.
@@ -197,9 +198,9 @@ class Reader:
         """Returns the IRIs of files whose robots are copied."""
         return sorted({like for like in self._copies.values() if _is_iri(like)})
 
-    def describe(self, iri: str, reader: Reader) -> None:
-        """Tells what a file whose robot is copied describes, with what it imports."""
-        self._described_in[iri] = reader
+    def describe(self, iri: str, individuals: Mapping[str, Individual]) -> None:
+        """Tells which individuals a file whose robot is copied describes, with what it imports."""
+        self._described_in[iri] = individuals
 
     def edits(self) -> Iterator[Edit]:
         """Yields the edits that make a world without these individuals one with them; may be called once.
@@ -209,12 +210,12 @@ class Reader:
                 two places.
         """
         self._add_copies()
-        names = sorted(self._individuals)
+        names = sorted(self.individuals)
         for name in names:
-            yield ElementEdit(name, None, self._element(name, self._individuals[name]))
+            yield ElementEdit(name, None, self._element(name, self.individuals[name]))
         yield from self._placements(names)
         for name in names:
-            for relation, object_ in sorted(set(self._individuals[name].relations)):
+            for relation, object_ in sorted(set(self.individuals[name].relations)):
                 if not self._ontology.is_placement(relation):
                     self._check_single(name, relation)
                     yield RelationEdit(name, relation, self._described(name, relation, object_), old=False, new=True)
@@ -267,9 +268,9 @@ class Reader:
         if name == "this":
             self._take_scene(file, triple)
             return
-        individual = self._individuals.get(name)
+        individual = self.individuals.get(name)
         if individual is None:
-            individual = self._individuals[name] = Individual()
+            individual = self.individuals[name] = Individual()
         predicate, object_ = self._predicate(triple), triple.object
         if predicate.name == "rdf:type":
             self._take_type(file, triple, individual)
@@ -308,7 +309,7 @@ class Reader:
             value = parse_value(literal.value, type_, predicate.range)
         except ValueError as error:
             raise _at(file, triple, f"{name}: {predicate.name} {error}") from None
-        other = self._individuals[name].values.setdefault(predicate.name, value)
+        other = self.individuals[name].values.setdefault(predicate.name, value)
         if other != value:
             said = f"{shown(format_value(other))} and {shown(format_value(value))}"
             raise _at(file, triple, f"{name}: {predicate.name} has two values, and may have one: {said}")
@@ -325,14 +326,14 @@ class Reader:
     def _add_copies(self) -> None:
         for name, like in sorted(self._copies.items()):
             if like in self._described_in:
-                described = self._described_in[like]._individuals
-                add_copy(self._individuals, name, self._robot_of(name, like, described), self._ontology, described)
+                described = self._described_in[like]
+                add_copy(self.individuals, name, self._robot_of(name, like, described), self._ontology, described)
                 continue
             self._described(name, BUILT_LIKE, like)
             if like in self._copies:
                 reason = f"{like} is {BUILT_LIKE} {self._copies[like]} itself: name one that is described in full"
                 raise self._fault(f"{name}: {reason}", name, BUILT_LIKE, like)
-            add_copy(self._individuals, name, like, self._ontology)
+            add_copy(self.individuals, name, like, self._ontology)
         self._copies.clear()
 
     def _robot_of(self, name: str, iri: str, described: Mapping[str, Individual]) -> str:
@@ -368,7 +369,7 @@ class Reader:
     def _placements(self, names: list[str]) -> Iterator[Edit]:
         placements: dict[str, Placement] = {}
         for name in names:
-            for relation, object_ in sorted(set(self._individuals[name].relations)):
+            for relation, object_ in sorted(set(self.individuals[name].relations)):
                 if self._ontology.is_placement(relation):
                     self._described(name, relation, object_)
                     element, placement = self._ontology.placed(name, relation, object_)
@@ -379,14 +380,14 @@ class Reader:
             yield PlacementEdit(element, None, placement)
 
     def _described(self, name: str, relation: str, object_: str) -> str:
-        if object_ not in self._individuals:
-            raise self._fault(str(UnknownName("individual", object_, self._individuals)), name, relation, object_)
+        if object_ not in self.individuals:
+            raise self._fault(str(UnknownName("individual", object_, self.individuals)), name, relation, object_)
         return object_
 
     def _check_single(self, name: str, relation: str) -> None:
         """The next object of a functional relation would silently replace the one before."""
         if self._ontology.relation(relation).functional:
-            objects = {o for r, o in self._individuals[name].relations if r == relation}
+            objects = {o for r, o in self.individuals[name].relations if r == relation}
             if len(objects) > 1:
                 said = ", ".join(f"{relation} {o}" for o in sorted(objects))
                 raise self._fault(f"{name} may have one of these, not all: {said}", name, relation)
