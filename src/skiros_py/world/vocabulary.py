@@ -99,8 +99,8 @@ BELOW: Final = RelationName("sk:below")
 """The object is above the subject."""
 BUILT_LIKE: Final = RelationName("sk:builtLike")
 """In a scene file: the robot gets its own copies of the other's pieces, and all its other properties, unless the
-scene states them differently. The piece base_1 of robot_1 becomes base_2 of robot_2. Instead of another robot, the IRI
-of the file that describes it, which the scene then does not import. Not stored."""
+scene states them differently. The piece base_1 of robot_1 becomes base_2 of robot_2. Instead of another robot, the
+IRI of the file that describes it, which the scene then does not import. Not stored."""
 COMPUTED: Final = RelationName("sk:computed")
 """Computed on demand by a reasoner, never stored."""
 FITS_IN: Final = RelationName("sk:fitsIn")
