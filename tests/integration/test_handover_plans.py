@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from skiros_py.station.session import Options, Session
-from skiros_py.tasks.report import Report
+from skiros_py.tasks.report import GoalReport
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def session() -> Iterator[Session]:
         yield session
 
 
-def steps(report: Report, part: str) -> list[tuple[str, str]]:
+def steps(report: GoalReport, part: str) -> list[tuple[str, str]]:
     """Returns who did what with a part."""
     return [(s.skill, s.arguments["Robot"]) for s in report.steps if s.arguments.get("Object") == part]
 
