@@ -103,7 +103,7 @@ def test_a_robot_that_cannot_be_copied_is_refused_with_its_line(text: str, reaso
 CELL = "<https://w3id.org/skiros-py/robots/ur10e_cell>"
 OTHER_KIND = f"""
 scene:base_1 sk:pose "0 0 0 0 0 0"^^sk:poseLiteral .
-scene:robot_2 a sk:Robot ; sk:builtLike {CELL} ; sk:pose "0 2 0 0 0 0"^^sk:poseLiteral .
+scene:robot_2 a sk:Robot ; sk:builtLike {CELL} ; sk:at scene:unknown_location ; sk:pose "0 2 0 0 0 0"^^sk:poseLiteral .
 """
 
 
