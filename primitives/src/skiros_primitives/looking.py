@@ -100,7 +100,7 @@ VIEWS = (
 )
 _DOWN = range(_QUARTERS)
 """Numbers of the views straight down."""
-_LOOKS: tuple[tuple[Sequence[int], tuple[float, ...]], ...] = (
+_BY_TILT: tuple[tuple[Sequence[int], tuple[float, ...]], ...] = (
     (_DOWN, _LOOK_HEIGHTS),
     *(([number for number, view in enumerate(VIEWS) if view.tilt == tilt], _DISTANCES) for tilt in _TILTS),
 )
@@ -171,7 +171,7 @@ class LookingPrimitive(ArmPrimitive):
             return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
-        for numbers, distances in _LOOKS:
+        for numbers, distances in _BY_TILT:
             beyond: set[tuple[float, int]] = set()  # what is out of reach stays so, however near to things it may be
             choices = product(SHARES, distances, self._sides(numbers, point, base, shown))
             for share, distance, views in choices:  # rather lower than nearer to things
