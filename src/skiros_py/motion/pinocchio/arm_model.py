@@ -21,6 +21,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
 
+_FEWEST_JOINTS, _POSTURES, _SLACK = 4, 4000, 0.01  # [m] how far postures at random may miss the farthest one
 _ACCELERATION = 7.5  # [rad/s²] of an arm whose description states none; that of the weakest joint of a Panda
 
 
@@ -44,6 +45,24 @@ class RevoluteChain:
     axes: Array
     lower: Array
     upper: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Wrist:
+    """Where the last joint but one of an arm can be.
+
+    Attributes:
+        shoulder: A point on the first axis, in the frame of the base [m].
+        middle, axis, radius: The circle on which it is, in the frame of the tip [m].
+        nearest, farthest: Bounds of its distance from the shoulder [m].
+    """
+
+    shoulder: Array
+    middle: Array
+    axis: Array
+    radius: float
+    nearest: float
+    farthest: float
 
 
 class ArmModel:
@@ -126,6 +145,51 @@ class ArmModel:
         """Where the second joint of the arm is [m]."""
         pin.forwardKinematics(self.model, self._data, pin.neutral(self.model))
         return np.array(self._data.oMi[min(2, self.model.njoints - 1)].translation)
+
+    def is_beyond_reach(self, target: Array) -> bool:
+        """Returns whether a pose of the tip, in the frame of the base, is surely out of reach, whatever its joints do.
+
+        The last joint turns the wrist, where the joint before it is, on a circle about its own axis; how far the wrist
+        can be from the shoulder is known. For arms of other joints than revolute ones it is never sure.
+
+        Args:
+            target: The pose, shape (4, 4).
+        """
+        wrist = self._wrist
+        if wrist is None:
+            return False
+        axis = target[:3, :3] @ wrist.axis
+        off = wrist.shoulder - (target[:3, :3] @ wrist.middle + target[:3, 3])
+        along = float(off @ axis)
+        aside = math.sqrt(max(0.0, float(off @ off) - along * along))
+        nearest, farthest = math.hypot(along, aside - wrist.radius), math.hypot(along, aside + wrist.radius)
+        return nearest > wrist.farthest or farthest < wrist.nearest
+
+    @cached_property
+    def _wrist(self) -> _Wrist | None:
+        chain = self.chain
+        if chain is None or len(chain.axes) < _FEWEST_JOINTS:
+            return None
+        turn, at = chain.axes[0], self.model.jointPlacements[2].translation  # of the second joint in the first one
+        first = self.model.jointPlacements[1]
+        shoulder, loose = first.act((at @ turn) * turn), float(np.linalg.norm(at - (at @ turn) * turn))
+        axis, to_tip = chain.axes[-1], pin.SE3(chain.placements[-1]).inverse()
+        before = pin.SE3(chain.placements[-2]).inverse().translation  # the wrist, in the frame of the last joint
+        on_axis = (before @ axis) * axis
+        rng = np.random.default_rng(0)
+        ways = []
+        for posture in rng.uniform(self.lower, self.upper, (_POSTURES, len(self.lower))):
+            pin.forwardKinematics(self.model, self._data, posture)
+            ways.append(np.linalg.norm(self._data.oMi[self.model.njoints - 2].translation - shoulder))
+        slack = loose + _SLACK
+        return _Wrist(
+            shoulder,
+            to_tip.act(on_axis),
+            to_tip.rotation @ axis,
+            float(np.linalg.norm(before - on_axis)),
+            min(ways) - slack,
+            max(ways) + slack,
+        )
 
     def collision_shapes(self, gap: float) -> pin.GeometryModel:
         """Returns the convex shapes of the whole robot with the fingers a gap [m] apart, without collision pairs."""

@@ -20,6 +20,7 @@ from skiros_py.ports.kinematics import BASE_LINK, InverseKinematics, JointMotion
 _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
 _ANGLE_TOLERANCE = 1e-5  # [rad]
+_PATIENCE, _PROGRESS = 8, 0.9  # it gives up after so many iterations in which the squared error has not become smaller
 _CLAMPED_JOINTS = 3  # joints at their limit for which the others may compensate in one step
 _STRENGTH = 0.2  # share of the difference made up by each
 _LARGEST_STEP = 0.6  # [rad] per iteration
@@ -48,7 +49,7 @@ class IkSolver(InverseKinematics):
     ) -> Array | None:
         """Iterates from one seed; returns joint angles within the limits [rad], or None where it finds none."""
         goal = pin.SE3(target)
-        q, nowhere = seed.copy(), np.zeros(len(seed))
+        q, nowhere, best, progress = seed.copy(), np.zeros(len(seed)), math.inf, 0
         for iteration in range(iterations):
             pose, jacobian = self._arm.tip_jacobian(q)
             error = pin.log6(pose.actInv(goal)).vector
@@ -56,6 +57,11 @@ class IkSolver(InverseKinematics):
             close = error[:3] @ error[:3] < _POSITION_TOLERANCE**2 and error[3:] @ error[3:] < _ANGLE_TOLERANCE**2
             if close and not pulled:
                 return q
+            off = float(error @ error)
+            if off < _PROGRESS * best or pulled:
+                best, progress = off, iteration
+            elif iteration - progress >= _PATIENCE:  # a joint limit is in the way, or the pose is out of reach
+                return None
             drift = strength * (towards - q) if towards is not None and pulled else nowhere
             q = self._step(q, jacobian, error, drift)
         return None

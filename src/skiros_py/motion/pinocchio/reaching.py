@@ -53,8 +53,7 @@ class _Reach:
     def _comfort(self, poses: Sequence[Pose]) -> float | None:
         """Returns how far the joints stay from their limits at poses in the frame of the base; None out of reach."""
         first, *others = (pose.matrix() for pose in poses)
-        x, y, z = self._arm.shoulder.tolist()
-        if any(pose.distance(Pose((x, y, z))) > self._arm.reach for pose in poses):
+        if any(map(self._arm.is_beyond_reach, (first, *others))):
             return None
         limits = self._arm.lower, self._arm.upper
         for start in self._solver.branches(first, self._near, limits, self._rng, count=_POSTURES, restarts=_SEEDS):

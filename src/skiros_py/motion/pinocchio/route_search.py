@@ -90,7 +90,7 @@ class Postures:
     """
 
     def __init__(self, arm: ArmModel, solver: InverseKinematics, base: Pose, seed: int) -> None:
-        self._solver, self._limits = solver, (arm.lower, arm.upper)
+        self._arm, self._solver, self._limits = arm, solver, (arm.lower, arm.upper)
         self._to_base = se3(base.inverse())
         self._rng = np.random.default_rng(seed)
         self._known: dict[Pose, list[Array]] = {}
@@ -102,6 +102,8 @@ class Postures:
     def near(self, pose: Pose, here: Array) -> list[Array]:
         """Returns postures for a pose in the map, those first that are nearest to joint angles [rad]."""
         target = self.in_base(pose).homogeneous
+        if self._arm.is_beyond_reach(target):
+            return []
         if pose not in self._known:
             self._known[pose] = self._solver.branches(
                 target, here, self._limits, self._rng, count=_POSTURES, restarts=_SEEDS
@@ -223,6 +225,8 @@ class RouteSearch:
         if away > self._arm.reach:
             far = f"out of reach, {away:.2f} m from the shoulder of an arm that is {self._arm.reach:.2f} m long"
             return Fault("reach", far)
+        if self._arm.is_beyond_reach(target.homogeneous):
+            return Fault("reach", f"out of reach with the tip turned like this, {away:.2f} m from the shoulder")
         tried = f"({away:.2f} m from the shoulder, {_SEEDS} attempts)"
         return Fault("reach", f"no joint angles within the limits reach it {tried}")
 
