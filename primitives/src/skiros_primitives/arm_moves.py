@@ -549,7 +549,7 @@ class HandlingPrimitive(ArmPrimitive):
         return Gripper(self.context.board, self.params.gripper)
 
     def plan_fresh(
-        self, choice: str, tools: Sequence[Pose], touching: Iterable[str]
+        self, choice: str, tools: Sequence[Pose], touching: Iterable[str], among: Sequence[int]
     ) -> Execution[tuple[int, MotionPlan | NoMotion]]:
         """Plans for one of several poses of the tool, rather one that was not tried in vain yet.
 
@@ -557,12 +557,13 @@ class HandlingPrimitive(ArmPrimitive):
             choice: What these are a choice of.
             tools: The poses in the map.
             touching: Ids of what may be touched there.
+            among: The numbers of those that are possible now.
 
         Returns:
             Which of the poses was chosen, and the plan; or why there is none.
         """
-        fresh = self.context.tried.fresh(choice, range(len(tools)))
-        others = [number for number in range(len(tools)) if number not in fresh]
+        fresh = self.context.tried.fresh(choice, among)
+        others = [number for number in among if number not in fresh]
         refusal: NoMotion | None = None
         for numbers, lift in product(filter(None, (fresh, others)), LIFTS):
             planned = yield from self.plan(above_routes((tools[number] for number in numbers), touching, lift))

@@ -282,7 +282,7 @@ class HandForce:
         self._sensor = DeviceHandle[ForceTorqueSpec, ForceTorqueState, None](context.board, sensor.id)
         self._recent: deque[Array] = deque(maxlen=_MEAN)
         self._held = np.zeros(6)
-        self._height = 0.0  # of the tip above the sensor
+        self._tip = np.zeros(3)  # from the sensor, along the axes of the base
 
     @classmethod
     def of(cls, context: RunContext, arm: Arm) -> HandForce | None:
@@ -310,7 +310,7 @@ class HandForce:
         tip, flange = (
             self._kinematics.pose(link, self._positions()) for link in (self._arm.spec.tip, self._spec.frame)
         )
-        self._height = tip.position[2] - flange.position[2]
+        self._tip = np.subtract(tip.position, flange.position)
         self._recent.clear()
 
     def push(self) -> Array:
@@ -323,9 +323,10 @@ class HandForce:
         return np.asarray(np.mean(self._recent, axis=0)[:3])
 
     def pressed_at(self) -> Array:
-        """Returns x and y of where what was returned last presses, from the sensor, along the axes of the base [m]."""
+        """Returns x and y of where what was returned last presses, from the tip, along the axes of the base [m]."""
         fx, fy, fz, tx, ty, _ = np.mean(self._recent, axis=0)
-        return np.asarray(np.array([self._height * fx - ty, self._height * fy + tx]) / max(1.0, fz))
+        x, y, height = self._tip
+        return np.asarray(np.array([height * fx - ty, height * fy + tx]) / max(1.0, fz) - (x, y))
 
     def _now(self) -> Array:
         positions, state = self._positions(), self._sensor.state

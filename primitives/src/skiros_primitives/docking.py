@@ -17,8 +17,10 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives.arm_moves import LIFTS, above_routes
+from skiros_primitives.floor_obstacles import rides
 from skiros_primitives.looking import possible_looks
-from skiros_primitives.part_models import downward, level
+from skiros_primitives.part_models import downward, leaning, level
+from skiros_primitives.put_down import fitting_quarters
 from skiros_primitives.sighting import on_floor
 from skiros_primitives.surfaces import inner_region, support_region
 from skiros_py.devices.arm import ArmSpec
@@ -42,7 +44,7 @@ from skiros_py.ports.values import Pending
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, tick
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.surroundings import held_by, map_pose, obstacles, owner
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, owner, solid_of
 from skiros_py.world import vocabulary as v
 
 _DROP, _GRASP = 0.004, 0.03
@@ -77,10 +79,12 @@ class Wanted:
     Attributes:
         id: Id of what it is; empty for one of several places where it may be.
         tools: Alternative poses of the tip in the map, to which it comes from straight above.
+        others: Those with a hand that leans, where it does not reach these.
     """
 
     id: str
     tools: tuple[Pose, ...]
+    others: tuple[Pose, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +106,7 @@ class Task:
     def targets(self) -> tuple[tuple[tuple[Pose, ...], ...], ...]:
         """Returns what is wanted, and then the looks, as a :class:`ReachRequest` has it."""
         high = Pose((0.0, 0.0, LIFTS[-1]))
-        tools = tuple(tuple((tool, high @ tool) for tool in one.tools) for one in self.wanted)
+        tools = tuple(tuple((tool, high @ tool) for tool in (*one.tools, *one.others)) for one in self.wanted)
         return (*tools, *(tuple((pose,) for pose in poses) for poses in self.looks))
 
 
@@ -153,12 +157,12 @@ class Docks:
         """Returns how many of some things the arm comes to from straight above, by whole motions."""
         count = 0
         for one in wanted:
-            for lift in LIFTS:
+            for tools, lift in product(filter(None, (one.tools, one.others)), LIFTS):
                 request = MotionRequest(
                     device=self._arm.id,
                     start=self._arm.home,
                     base=base,
-                    routes=tuple(above_routes(one.tools, self._task.touching, lift)),
+                    routes=tuple(above_routes(tools, self._task.touching, lift)),
                     obstacles=obstacles(self._context, parts=False),
                     held=self._task.held,
                     seed=self._primitive.seed(),
@@ -168,6 +172,14 @@ class Docks:
                     count += 1
                     break
         return count
+
+    def reaches(self, taught: Pose) -> Execution[bool]:
+        """Returns whether all that is wanted is within reach from the driving pose or another one."""
+        if None not in (yield from self._primitive.wait(self._reached((taught,))))[0]:
+            return True
+        others = sorted(self._others(taught), key=lambda pose: pose.distance(taught))
+        found = yield from self._primitive.wait(self._reached(others))
+        return any(None not in there for there in found)
 
     def suits(self, base: Pose) -> Execution[bool]:
         """Returns whether the arm comes from a pose to what is farthest away, and all else is within its reach."""
@@ -324,6 +336,32 @@ def _mount(context: RunContext, arm: ArmSpec) -> Pose:
     return kinematics.pose(link, {})
 
 
+def can_put_down(
+    primitive: Primitive[Any], robot: RobotSpec, arm: ArmSpec, part: str, grasps: Sequence[Pose]
+) -> Execution[bool]:
+    """Returns whether an arm can put a part down where the next steps want it; True where they are not known.
+
+    Args:
+        primitive: What runs.
+        robot: The robot.
+        arm: Its arm.
+        part: The part.
+        grasps: Poses of the tip in the frame of the part, in one of which it is grasped.
+    """
+    context, solid = primitive.context, solid_of(primitive.context.world, part)
+    for location in filter(context.world.has, sorted(context.ahead)):
+        place, driving = map_pose(context, location), context.world.value(location, v.DRIVING_POSE)
+        carried = rides(context, _kit(context, location), robot)
+        if solid is None or place is None or not isinstance(driving, Pose) or carried:
+            continue
+        held = [Held(solid, grasp.inverse()) for grasp in grasps]
+        wanted = [one for one in _releases(context, location, held) if one.id in context.ahead]
+        task = Task(tuple(wanted), (), _touching(context, location), held[0])
+        if wanted and not (yield from Docks(primitive, robot, arm, location, task).reaches(place @ driving)):
+            return False
+    return True
+
+
 def task_at(context: RunContext, arm: ArmSpec, gripper: GripperSpec, location: str, taught: Pose) -> Task:
     """Returns what an arm is to do at a location."""
     holding = held_by(context, gripper.id)
@@ -349,29 +387,38 @@ def _wanted(context: RunContext, location: str, held: Held | None) -> Iterator[W
     """Yields each place at which something may be taken or put down at a location."""
     world = context.world
     if held is not None:
-        sits = held.pose.inverse()
-        for compartment in world.objects(_kit(context, location), v.HAS_A):
-            region = inner_region(context, compartment)
-            if not isinstance(region, str) and not world.subjects(v.IN, compartment):
-                floor = region.pose
-                turned = (level(floor @ Pose.of(0.0, 0.0, _DROP, yaw=yaw)) for yaw in _QUARTERS)
-                yield Wanted(compartment, tuple(pose @ sits for pose in turned))
+        yield from _releases(context, location, [held])
         return
     is_a = world.ontology.is_a
     parts = [one for one in world.subjects(v.IN, location) if is_a(world.element(one).type, v.MANIPULATABLE)]
     known = {part: pose for part in parts if (pose := map_pose(context, part)) is not None}
     for part, pose in known.items():
-        yield Wanted(part, _grasps(pose))
+        yield _grasps(part, pose)
     region = support_region(context, location)
     if len(known) < len(parts) and not isinstance(region, str):
         x, y = (_CORNER * half for half in region.half_extents)
         for corner in ((0.0, 0.0), (x, y), (x, -y), (-x, y), (-x, -y)):
-            yield Wanted("", _grasps(region.pose @ Pose((*corner, 0.0))))
+            yield _grasps("", region.pose @ Pose((*corner, 0.0)))
 
 
-def _grasps(pose: Pose) -> tuple[Pose, ...]:
+def _releases(context: RunContext, location: str, held: Sequence[Held]) -> Iterator[Wanted]:
+    """Yields each empty compartment at a location, for a part that is held in one of some ways."""
+    low, high = held[0].solid.bounds()
+    half = ((high - low)[:2] / 2.0).tolist()
+    for compartment in context.world.objects(_kit(context, location), v.HAS_A):
+        region = inner_region(context, compartment)
+        if not isinstance(region, str) and not context.world.subjects(v.IN, compartment):
+            yaws = [quarter * math.pi / 2.0 for quarter in fitting_quarters(half, region.half_extents)]
+            turned = [level(region.pose @ Pose.of(0.0, 0.0, _DROP, yaw=yaw)) for yaw in yaws]
+            tools = tuple(pose @ one.pose.inverse() for pose, one in product(turned, held))
+            yield Wanted(compartment, tools)
+
+
+def _grasps(part: str, pose: Pose) -> Wanted:
+    """Returns how a part may be grasped, or something at a place where parts may be."""
     x, y, z = pose.position
-    return tuple(downward(x, y, z + _GRASP, yaw) for yaw in _QUARTERS)
+    tools = tuple(downward(x, y, z + _GRASP, yaw) for yaw in _QUARTERS)
+    return Wanted(part, tools, leaning(tools))
 
 
 def _looked_at(context: RunContext, location: str, held: Held | None, wanted: Sequence[Wanted]) -> list[Vector]:

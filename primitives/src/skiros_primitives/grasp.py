@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import HandlingPrimitive, refused
+from skiros_primitives.arm_moves import HandlingPrimitive, further, refused
+from skiros_primitives.docking import can_put_down
 from skiros_primitives.gripper import firm_force, move_fingers, opening
 from skiros_primitives.part_models import Grasp as GraspData
-from skiros_primitives.part_models import grasp_of, level
+from skiros_primitives.part_models import grasp_of, leaning, level
 from skiros_primitives.playback import reversed_way
 from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message, joined
 from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
@@ -69,19 +71,41 @@ class Grasp(HandlingPrimitive):
         self.opening = opening(self.gripper_spec, grasp.width)
         if abs(self.gripper.state.gap - self.opening) > _GAP_TOLERANCE:
             yield from self.open_wide(self.gripper)
-        place = self.world.placement(self.params.part)
-        touching = {self.params.part, *([place.place] if place else [])}
-        chosen, planned = yield from self.plan_fresh(
-            "grasp", [level(part_pose) @ pose for pose in grasp.poses], touching
-        )
+        poses = (*grasp.poses, *leaning(grasp.poses))
+        chosen, planned = yield from self._plan(level(part_pose), poses, len(grasp.poses))
         if isinstance(planned, NoMotion):
             reason = Message("{part} cannot be reached: {reason}", part=self.params.part, reason=planned.reason)
             return Failure(reason, values=planned.values)
-        outcome = yield from self._take(planned, part_pose, grasp, grasp.poses[chosen])
+        outcome = yield from self._take(planned, part_pose, grasp, poses[chosen])
         if isinstance(outcome, Failure):
-            turn = math.degrees(grasp.poses[chosen].yaw)
+            turn = math.degrees(poses[chosen].yaw)
             self.context.tried.note("grasp", chosen, Message("grasped turned by {turn:.0f} deg", turn=turn))
         return outcome
+
+    def _plan(self, part: Pose, poses: Sequence[Pose], straight: int) -> Execution[tuple[int, MotionPlan | NoMotion]]:
+        """Plans a grasp from straight above; a leaning one where that is out of reach, here or where the part goes.
+
+        Args:
+            part: Where the part is, in the map.
+            poses: The grasps, in the frame of the part.
+            straight: How many of these, the first ones, do not lean.
+        """
+        place = self.world.placement(self.params.part)
+        touching, tools = {self.params.part, *([place.place] if place else [])}, [part @ pose for pose in poses]
+        planning = self.plan_fresh("grasp", tools, touching, range(straight))
+        checking = can_put_down(self, self.robot, self.arm.spec, self.params.part, poses[:straight])
+        planned, delivers = tick(planning), tick(checking)
+        while planned is None or delivers is None:
+            yield
+            planned = tick(planning) if planned is None else planned
+            delivers = tick(checking) if delivers is None else delivers
+        chosen, plan = planned
+        if isinstance(plan, MotionPlan) and delivers:
+            return chosen, plan
+        leans, other = yield from self.plan_fresh("grasp", tools, touching, range(straight, len(poses)))
+        if isinstance(other, MotionPlan):
+            return leans, other
+        return chosen, plan if isinstance(plan, MotionPlan) else further(plan, other)
 
     def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData, wanted: Pose) -> Execution[Outcome]:
         gripper, up = self.gripper, planned.legs[-1]

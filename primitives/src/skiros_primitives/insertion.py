@@ -102,7 +102,7 @@ def shake(period: float) -> Iterator[Step]:
 
 
 class Insertion:
-    """Lets down what a hand holds, by feel; the hand hangs straight down.
+    """Lets down what a hand holds, by feel; the hand may lean.
 
     Args:
         context: The run.

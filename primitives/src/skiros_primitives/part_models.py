@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
 
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose, Solid
@@ -22,6 +24,19 @@ def downward(x: float, y: float, z: float, yaw: float) -> Pose:
 def level(pose: Pose) -> Pose:
     """Returns a pose without its tilt: things are assumed to stand upright, regardless of the measured tilt."""
     return Pose.of(*pose.position, yaw=pose.yaw)
+
+
+_LEANING = math.radians(30.0)
+"""How far a hand leans where the arm cannot hold it straight above."""
+
+
+def leaning(tools: Iterable[Pose]) -> tuple[Pose, ...]:
+    """Returns poses of a tool that leans to both sides, about the axis along which its fingers close.
+
+    They hold a part at the same places, and what is grasped or put down so stands upright.
+    """
+    turns = [Pose.of(0.0, 0.0, 0.0, pitch=side * _LEANING) for side in (1.0, -1.0)]
+    return tuple(tool @ turn for tool, turn in product(tools, turns))
 
 
 _ROUND_TURNS = 8
