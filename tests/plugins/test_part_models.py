@@ -102,3 +102,15 @@ def test_the_shipped_ontologies_define_a_grasp_for_each_shape() -> None:
         if ontology.class_value(class_, "sk:solid") is not None:
             assert isinstance(ontology.class_value(class_, "sk:graspHeight"), float), class_
             assert isinstance(ontology.class_value(class_, "sk:graspWidth"), float), class_
+
+
+def test_a_leaning_hand_holds_what_stands_upright_at_the_same_places() -> None:
+    straight = models.downward(0.1, 0.2, 0.5, yaw=0.7)
+
+    one, other = models.leaning([straight])
+
+    for tool in (one, other):
+        assert tool.position == pytest.approx(straight.position)
+        assert tool.matrix()[:3, 1] == pytest.approx(straight.matrix()[:3, 1])  # the fingers close along the same axis
+        assert math.acos(-tool.matrix()[2, 2]) == pytest.approx(math.radians(30.0))
+    assert one.matrix()[:2, 2] == pytest.approx(-other.matrix()[:2, 2])  # to either side

@@ -165,7 +165,9 @@ class SeeingPrimitive(Primitive[Any]):
         if registrar is None or solid is None or not self.carries(camera):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
-        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part))))
+        tip = self.context.frames.at(image.snapshot).located(camera) @ place.inverse()
+        x, y, z = tip.matrix()[2, :3].tolist()
+        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part, (x, y, z)))))
 
     def take_picture(self, camera: str) -> Execution[DepthImage]:
         """Takes a picture; a camera that is silent for a moment is asked again.

@@ -38,7 +38,7 @@ _CLIP = 0.015
 _TOO_CLOSE = 0.005
 """Misfit where the part would be nearer than the camera measures [m]."""
 _BELOW = 0.020
-"""What is farther away than the lowest point of the part by more than this is background [m]."""
+"""What is lower, or farther away, than any point of the part by more than this is background [m]."""
 _AGREES = 0.004
 _FEWEST = 80
 """Number of rays that must meet the part to tell how it sits."""
@@ -96,11 +96,14 @@ class _Comparison:
         directions = rays @ rotation_matrix(request.camera_pose.orientation).T
         self._eye, self._nearest = np.asarray(request.camera_pose.position), k.near
         corners = request.guess.apply(np.array(list(itertools.product(*np.transpose(request.solid.bounds())))))
-        self._limit = float(request.camera_pose.inverse().apply(corners)[:, 2].max()) + _BELOW
+        deepest = float(request.camera_pose.inverse().apply(corners)[:, 2].max()) + _BELOW
         low, high = corners.min(axis=0) - _MARGIN, corners.max(axis=0) + _MARGIN
         zone = _Block(Primitive("box", tuple((high - low).tolist())), np.eye(3), directions)
         near = zone.met(self._eye - (low + high) / 2.0) < np.inf
-        self._directions, self._measured = directions[near], np.minimum(depth[known][near], self._limit)
+        self._directions, up = directions[near], np.asarray(request.up)
+        falls = np.maximum(-(self._directions @ up), 1e-9)  # a hand that leans sees what it stands over from the side
+        self._limit = np.minimum(deepest, (self._eye @ up - (corners @ up).min() + _BELOW) / falls)
+        self._measured = np.minimum(depth[known][near], self._limit)
         self._turned: dict[float, list[tuple[Array, _Block]]] = {}
         self._prices: dict[tuple[float, ...], float] = {}
 
@@ -109,7 +112,7 @@ class _Comparison:
 
         What is nearer than the camera measures, which may look through that, is neither right nor wrong.
         """
-        depths = np.full(len(self._directions), self._limit)
+        depths = self._limit.copy()
         for position, block in self._blocks(float(move[3])):
             np.minimum(depths, block.met(self._eye - move[:3] - position), out=depths)
         close = depths < self._nearest

@@ -152,6 +152,7 @@ class HeldRequest:
         guess: Its expected pose in the frame of the tip; it may have slid along the pads, and turned between them.
         camera: Id of the camera, for displays; empty if unknown.
         body: Id of the part, for displays; empty if unknown.
+        up: Unit vector upwards in the frame of the tip; by default the tip points straight down.
     """
 
     image: DepthImage
@@ -160,6 +161,7 @@ class HeldRequest:
     guess: Pose
     camera: str = ""
     body: str = ""
+    up: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ import pytest
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
-from skiros_py.geometry import Array
-from skiros_py.motion.pinocchio.arm_model import ArmModel
+from skiros_py.geometry import Array, Pose
+from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
@@ -59,6 +59,37 @@ def test_an_unreachable_pose_has_no_solution(arm: ArmModel) -> None:
     found = IkSolver(arm).branches(away, home, limits(arm), np.random.default_rng(0), restarts=5)
 
     assert found == []
+
+
+ARMS = {
+    "mobile_panda": [f"panda_joint{n}" for n in range(1, 8)],
+    "mobile_iiwa": [f"lbr_iiwa_joint_{n}" for n in range(1, 8)],
+    "ur10e_cell": [
+        f"{name}_joint" for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    ],
+}
+
+
+@pytest.mark.parametrize("model", list(ARMS))
+def test_no_pose_that_an_arm_takes_counts_as_surely_out_of_reach(model: str) -> None:
+    spec = ArmSpec("arm", tuple(ARMS[model]), "tcp", (0.0,) * len(ARMS[model]))
+    arm, rng = arm_model(RobotSpec("robot", model, (spec,)), spec), np.random.default_rng(7)
+    range_ = arm.upper - arm.lower
+
+    for posture in rng.uniform(arm.lower - 0.2 * range_, arm.upper + 0.2 * range_, (3000, len(range_))):
+        q = np.clip(posture, arm.lower, arm.upper)  # often at limits, where an arm is longest
+        assert not arm.is_beyond_reach(arm.tip_pose(q).homogeneous)
+
+
+def test_a_pose_is_surely_out_of_reach_where_the_wrist_would_be_too_high(arm: ArmModel) -> None:
+    straight, leaning = (
+        Pose.of(0.5, 0.0, 1.25) @ Pose.of(0.0, 0.0, 0.0, pitch=-tilt) @ Pose.of(0.0, 0.0, 0.0, roll=np.pi)
+        for tilt in (0.0, np.pi / 3.0)
+    )
+
+    assert np.linalg.norm(np.subtract(straight.position, arm.shoulder)) < arm.reach
+    assert arm.is_beyond_reach(straight.matrix())
+    assert not arm.is_beyond_reach(leaning.matrix())
 
 
 def test_the_gripper_links_are_those_that_move_with_the_tip(arm: ArmModel) -> None:

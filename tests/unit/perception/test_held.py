@@ -55,6 +55,23 @@ def test_an_empty_gripper_is_told_from_one_that_holds_the_part(studio: Studio, n
     assert found.reason
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("name", ["Compressor", "RelayBox"])
+def test_what_a_leaning_hand_stands_over_is_not_taken_for_the_part(studio: Studio, name: str, side: float) -> None:
+    rng, height, lift = np.random.default_rng(3), GRASP_HEIGHTS[name], 0.06
+    lean = Pose.of(0.0, 0.0, 0.0, pitch=side * math.radians(30.0))
+    upright = lean.inverse() @ Pose.of(0.0, 0.0, height, roll=math.pi)  # the part, in the frame of a tip that leans
+    below = lean.inverse() @ Pose.of(0.0, 0.0, height + lift, roll=math.pi)
+    bodies = [(studio.table(0.4)[0], below @ Pose.of(0.0, 0.0, -0.4)), (studio.parts[name], upright)]
+    x, y, z = (-lean.matrix()[2, :3]).tolist()
+
+    request = HeldRequest(studio.shoot(bodies, CAMERA, rng), CAMERA, studio.parts[name], upright, up=(x, y, z))
+    found = sits(request)
+
+    assert found.pose is not None, found.reason
+    assert found.pose.distance(upright) <= 0.003
+
+
 def test_no_pose_proves_nothing_for_a_part_that_the_hand_hides(studio: Studio) -> None:
     pin = Solid.box(0.02, 0.02, 0.04)
 

@@ -49,15 +49,13 @@ class RevoluteChain:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Wrist:
-    """Where the last joint but one of an arm can be.
+    """Where the last joint but one of an arm can be: what the other joints do, and what the tip leaves open.
 
     Attributes:
-        shoulder: A point on the first axis, in the frame of the base [m].
         middle, axis, radius: The circle on which it is, in the frame of the tip [m].
-        nearest, farthest: Bounds of its distance from the shoulder [m].
+        nearest, farthest: Bounds of how far it can be from the shoulder [m].
     """
 
-    shoulder: Array
     middle: Array
     axis: Array
     radius: float
@@ -159,7 +157,7 @@ class ArmModel:
         if wrist is None:
             return False
         axis = target[:3, :3] @ wrist.axis
-        off = wrist.shoulder - (target[:3, :3] @ wrist.middle + target[:3, 3])
+        off = self.shoulder - (target[:3, :3] @ wrist.middle + target[:3, 3])
         along = float(off @ axis)
         aside = math.sqrt(max(0.0, float(off @ off) - along * along))
         nearest, farthest = math.hypot(along, aside - wrist.radius), math.hypot(along, aside + wrist.radius)
@@ -170,26 +168,13 @@ class ArmModel:
         chain = self.chain
         if chain is None or len(chain.axes) < _FEWEST_JOINTS:
             return None
-        turn, at = chain.axes[0], self.model.jointPlacements[2].translation  # of the second joint in the first one
-        first = self.model.jointPlacements[1]
-        shoulder, loose = first.act((at @ turn) * turn), float(np.linalg.norm(at - (at @ turn) * turn))
-        axis, to_tip = chain.axes[-1], pin.SE3(chain.placements[-1]).inverse()
-        before = pin.SE3(chain.placements[-2]).inverse().translation  # the wrist, in the frame of the last joint
-        on_axis = (before @ axis) * axis
-        rng = np.random.default_rng(0)
-        ways = []
-        for posture in rng.uniform(self.lower, self.upper, (_POSTURES, len(self.lower))):
-            pin.forwardKinematics(self.model, self._data, posture)
-            ways.append(np.linalg.norm(self._data.oMi[self.model.njoints - 2].translation - shoulder))
-        slack = loose + _SLACK
-        return _Wrist(
-            shoulder,
-            to_tip.act(on_axis),
-            to_tip.rotation @ axis,
-            float(np.linalg.norm(before - on_axis)),
-            min(ways) - slack,
-            max(ways) + slack,
-        )
+        axis, in_tip = chain.axes[-1], pin.SE3(chain.placements[-1]).inverse()
+        at = pin.SE3(chain.placements[-2]).inverse().translation  # in the frame of the last joint
+        on_axis = (at @ axis) * axis
+        postures = np.random.default_rng(0).uniform(self.lower, self.upper, (_POSTURES, len(self.lower)))
+        ways = [float(np.linalg.norm(self.joint_places(posture)[-2] - self.shoulder)) for posture in postures]
+        radius = float(np.linalg.norm(at - on_axis))
+        return _Wrist(in_tip.act(on_axis), in_tip.rotation @ axis, radius, min(ways) - _SLACK, max(ways) + _SLACK)
 
     def collision_shapes(self, gap: float) -> pin.GeometryModel:
         """Returns the convex shapes of the whole robot with the fingers a gap [m] apart, without collision pairs."""
