@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, looks_into
+from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, looks_into, without
 from skiros_primitives.part_models import downward
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import Held, MotionPlan, NoMotion
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import Execution, Outcome, Success, tick
 
@@ -107,6 +108,22 @@ PLACE = Pose.of(1.0, 0.5, 0.8, yaw=0.7)
 )
 def test_a_place_is_looked_into_without_a_motion_only_steeply_from_above(camera: Pose, seen: bool) -> None:
     assert looks_into(PLACE @ camera, PLACE) is seen
+
+
+def test_a_picture_without_what_is_held_shows_what_is_beside_it() -> None:
+    """The part hides the middle of a floor 0.4 m below the camera; its own depths count as not measured."""
+    intrinsics = CameraIntrinsics(64, 48, 50.0, 50.0, 31.5, 23.5, 0.1, 2.0)
+    v, u = np.mgrid[0:48, 0:64]
+    is_part = (np.abs(u - 31.5) < 10) & (np.abs(v - 23.5) < 8)
+    depth = np.where(is_part, 0.2, 0.4).astype(np.float32)
+    image: Any = DepthImage(None, depth, np.zeros((48, 64, 3), np.uint8), intrinsics)  # type: ignore[arg-type]
+    tip = Pose((0.0, 0.0, 0.24))  # in the optical frame
+    held = Held(Solid.box(0.08, 0.064, 0.06), Pose.of(0.0, 0.0, 0.02, roll=math.pi))
+
+    left = without(image, held, tip).depth
+
+    assert (left[is_part] == 0.0).all()
+    assert (left[~is_part] == np.float32(0.4)).all()
 
 
 class Shy(Looking):

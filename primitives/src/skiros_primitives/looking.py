@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
+import numpy as np
+
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.camera_check import compare, is_due, is_turned
 from skiros_primitives.part_models import downward, part_models
@@ -21,7 +23,7 @@ from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import SHARES, MotionPlan, NoMotion, PoseMove, Route, Vector
+from skiros_py.ports.motion import SHARES, Held, MotionPlan, NoMotion, PoseMove, Route, Vector
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -138,9 +140,13 @@ class LookingPrimitive(ArmPrimitive):
 
     def detect(self, region: Region, picture: tuple[DepthImage, Pose]) -> Execution[DetectionResult]:
         """Searches a region in a picture for parts."""
-        detector = self.context.port(PartDetector, self.params.camera)
-        request = DetectionRequest(*picture, region, part_models(self.world), self.seed(), self.params.camera)
-        self._seen_from = self.context.frames.at(picture[0].snapshot).robot(self.params.camera), picture[1]
+        detector, held = self.context.port(PartDetector, self.params.camera), self.held()
+        image, camera = picture
+        self._seen_from = self.context.frames.at(image.snapshot).robot(self.params.camera), camera
+        if held is not None and self.carries(self.params.camera):
+            image = without(image, held, self.camera_in_tip(self._camera).inverse())
+        models = part_models(self.world)
+        request = DetectionRequest(image, camera, region, models, self.seed(), self.params.camera)
         return (yield from self.wait(detector.detect(request)))
 
     def sighting(self, pose: Pose) -> Sighting:
@@ -319,6 +325,23 @@ class LookingPrimitive(ArmPrimitive):
         return True
 
 
+def without(image: DepthImage, held: Held, tip: Pose) -> DepthImage:
+    """Returns a picture in which nothing was measured where it shows what a gripper holds: that hides what is below.
+
+    Args:
+        image: The picture, by a camera on the hand.
+        held: What is held.
+        tip: Pose of the tip in the optical frame.
+    """
+    low, high = held.solid.bounds()
+    at = (tip @ held.pose).inverse().apply(image.points())
+    v, u = np.nonzero(image.depth > 0.0)
+    shown = np.all((at >= low - _AROUND_HELD) & (at <= high + _AROUND_HELD), axis=1)
+    depth = image.depth.copy()
+    depth[v[shown], u[shown]] = 0.0
+    return replace(image, depth=depth)
+
+
 def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:
     """Returns poses of an arm's tip in one of which it has to be to look at a point.
 
@@ -346,6 +369,8 @@ def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector)
     return tuple(pose @ back for pose in (*down, *tilted))
 
 
+_AROUND_HELD = 0.015
+"""How far beside where it is believed to be what is held may be seen, the pads of the fingers too [m]."""
 _CLEAR = 0.9
 """Minimum fraction of a compartment that must be seen to call it empty."""
 _SLID = 0.003
