@@ -140,14 +140,16 @@ class LookingPrimitive(ArmPrimitive):
 
     def detect(self, region: Region, picture: tuple[DepthImage, Pose]) -> Execution[DetectionResult]:
         """Searches a region in a picture for parts."""
-        detector, held = self.context.port(PartDetector, self.params.camera), self.held()
-        image, camera = picture
-        self._seen_from = self.context.frames.at(image.snapshot).robot(self.params.camera), camera
-        if held is not None and self.carries(self.params.camera):
-            image = without(image, held, self.camera_in_tip(self._camera).inverse())
-        models = part_models(self.world)
-        request = DetectionRequest(image, camera, region, models, self.seed(), self.params.camera)
+        detector = self.context.port(PartDetector, self.params.camera)
+        image, models = self._below_held(picture[0]), part_models(self.world)
+        request = DetectionRequest(image, picture[1], region, models, self.seed(), self.params.camera)
+        self._seen_from = self.context.frames.at(picture[0].snapshot).robot(self.params.camera), picture[1]
         return (yield from self.wait(detector.detect(request)))
+
+    def _below_held(self, image: DepthImage) -> DepthImage:
+        """Returns a picture without what the gripper holds, where that is in front of the camera."""
+        held = self.held() if self.carries(self.params.camera) else None
+        return image if held is None else without(image, held, self.camera_in_tip(self._camera).inverse())
 
     def sighting(self, pose: Pose) -> Sighting:
         """Returns where something was seen in the picture that was searched last, by its pose in the map."""
@@ -265,7 +267,8 @@ class LookingPrimitive(ArmPrimitive):
         camera, solid = self.params.camera, solid_of(self.world, kit)
         if solid is None:
             raise DeviceError(f"{self.name} needs a shape of {kit}")
-        request = RegistrationRequest(*picture, solid, believed, self.seed(), camera, kit)
+        image, seen_from = picture
+        request = RegistrationRequest(self._below_held(image), seen_from, solid, believed, self.seed(), camera, kit)
         result = yield from self.wait(self.context.port(Registrar, camera).register(request))
         if result.pose is not None:
             frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
