@@ -47,14 +47,16 @@ from skiros_py.world.names import local_name
 from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
 
-_LOOK_HEIGHTS = (0.46, 0.40, 0.34, 0.28, 0.22)
-"""Heights of the camera above the viewed surface, best first [m]; low ones for when the arm cannot reach higher."""
+_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
+"""Heights of the camera above the viewed surface where it looks straight down, best first [m]."""
+_LOW = (0.28, 0.22)
+"""The same where all else is impossible [m]: from there it does not see the whole of a kit."""
 _QUARTERS = 4
 """The camera is turned to so many sides."""
 _TILTS = (math.radians(25.0), math.radians(45.0))
 """Angles off the vertical at which it looks where the arm cannot hold it straight above, best first."""
-_DISTANCES = (0.42, 0.36, 0.30, 0.25)
-"""Distances at which it looks from the side, best first [m]: nearer than that a kit does not fit into a picture."""
+_DISTANCES = (0.42, 0.36, 0.30)
+"""Distances at which it looks from the side, best first [m]."""
 _SIDES = (math.pi, math.pi - math.radians(50.0), math.pi + math.radians(50.0))
 """From where it looks then, against the heading of the base, which faces the place: from the arm, and from beside."""
 _ROUND = 6
@@ -102,9 +104,11 @@ VIEWS = (
 )
 _DOWN = range(_QUARTERS)
 """Numbers of the views straight down."""
+_TILTED = tuple([number for number, view in enumerate(VIEWS) if view.tilt == tilt] for tilt in _TILTS)
 _BY_TILT: tuple[tuple[Sequence[int], tuple[float, ...]], ...] = (
     (_DOWN, _LOOK_HEIGHTS),
-    *(([number for number, view in enumerate(VIEWS) if view.tilt == tilt], _DISTANCES) for tilt in _TILTS),
+    *((numbers, _DISTANCES) for numbers in _TILTED),
+    (_DOWN, _LOW),
 )
 """Numbers of the views that are alike, and at which distances they are taken [m], the best first."""
 
@@ -355,7 +359,7 @@ def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector)
         point: Where to look, in the map [m].
 
     Returns:
-        Alternatives, those straight down first, from the least height; none for an arm without a camera.
+        Alternatives, those straight down first; none for an arm without a camera.
     """
     mine = context.world.objects(arm.id, v.HAS_A)
     camera = next((one for one in context.cell.group_of(arm.id).of(CameraSpec) if one.id in mine), None)
