@@ -13,7 +13,8 @@ import shapely
 from support.stepping import run
 
 from skiros_primitives import docking
-from skiros_primitives.docking import Task, Wanted, docking_pose, docks_around
+from skiros_primitives.docking import Task, Wanted, can_put_down, docking_pose, docks_around
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.geometry import Pose, Solid, wrap_angle
 from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion, Obstacle, PoseMove, Reached, ReachRequest
 from skiros_py.ports.paths import floor_area, placed
@@ -163,3 +164,34 @@ def test_docks_are_a_small_gap_away_from_each_side_and_faced_as_taught(turned: f
     assert min(gaps) == pytest.approx(docking._GAP)
     sides = {round(wrap_angle(pose.yaw - turned) / (math.pi / 2.0), 3) % 4.0 for pose in found}
     assert {0.0, 1.0, 2.0, 3.0} <= sides
+
+
+@pytest.mark.parametrize(
+    ("reach", "ahead", "expected"),
+    [
+        (TO_FAR + 0.01, {"kit_1", "cell_0"}, True),
+        (TO_FAR - 0.05, {"kit_1", "cell_0"}, True),  # from nearer
+        (0.10, {"kit_1", "cell_0"}, False),
+        (0.10, {"kit_1"}, True),  # it goes to no compartment there
+        (0.10, {"cell_0"}, True),  # it does not drive there
+    ],
+)
+def test_whether_a_part_can_be_put_down_is_known_before_it_is_grasped(
+    monkeypatch: pytest.MonkeyPatch, reach: float, ahead: set[str], expected: bool
+) -> None:
+    arm: Any = Arm(reach, frozenset(ahead))
+    arm.world = SimpleNamespace(has=lambda id_: id_ == "kit_1", value=lambda *_: TAUGHT)
+    for name, stand_in in {
+        "on_floor": lambda *_: TABLE,
+        "obstacles": lambda *_, **__: (TABLE,),
+        "_mount": lambda *_: MOUNT,
+        "_kit": lambda _, location: location,
+        "_touching": lambda *_: frozenset(),
+        "_releases": lambda *_: [Wanted("cell_0", (FAR,)), Wanted("cell_1", (Pose((9.0, 0.0, 1.0)),))],
+        "map_pose": lambda *_: Pose(),
+        "solid_of": lambda *_: Solid.box(0.1, 0.1, 0.1),
+        "rides": lambda *_: False,
+    }.items():
+        monkeypatch.setattr(docking, name, stand_in)
+
+    assert run(can_put_down(arm, ROBOT, ROBOT.of(ArmSpec)[0], "part_1", [Pose()])) is expected

@@ -349,6 +349,8 @@ def can_put_down(
         grasps: Poses of the tip in the frame of the part, in one of which it is grasped.
     """
     context, solid = primitive.context, solid_of(primitive.context.world, part)
+    if context.ports.find(ReachChecker, arm.id) is None:
+        return True
     for location in filter(context.world.has, sorted(context.ahead)):
         place, driving = map_pose(context, location), context.world.value(location, v.DRIVING_POSE)
         carried = rides(context, _kit(context, location), robot)

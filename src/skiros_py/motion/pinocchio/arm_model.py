@@ -148,14 +148,14 @@ class ArmModel:
         """Returns whether a pose of the tip, in the frame of the base, is surely out of reach, whatever its joints do.
 
         The last joint turns the wrist, where the joint before it is, on a circle about its own axis; how far the wrist
-        can be from the shoulder is known. For arms of other joints than revolute ones it is never sure.
+        can be from the shoulder is known. Of arms with other joints than revolute ones, the length of the links tells.
 
         Args:
             target: The pose, shape (4, 4).
         """
         wrist = self._wrist
         if wrist is None:
-            return False
+            return float(np.linalg.norm(target[:3, 3] - self.shoulder)) > self.reach
         axis = target[:3, :3] @ wrist.axis
         off = self.shoulder - (target[:3, :3] @ wrist.middle + target[:3, 3])
         along = float(off @ axis)
