@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.stepping import run
 
 from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, looks_into, without
 from skiros_primitives.part_models import downward
@@ -15,7 +16,7 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import Held, MotionPlan, NoMotion
 from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.skills.context import Tried
-from skiros_py.skills.outcome import Execution, Outcome, Success, tick
+from skiros_py.skills.outcome import Execution, Outcome, Success
 
 POINT = (1.0, 2.0, 0.5)
 HEIGHT = 0.46
@@ -166,10 +167,7 @@ def off_vertical(camera: Pose) -> float:
 
 
 def looked(looking: Shy) -> Any:
-    run = looking.look_down(POINT)
-    while (result := tick(run)) is None:
-        pass
-    return result
+    return run(looking.look_down(POINT))
 
 
 def test_where_the_arm_cannot_hold_the_camera_straight_above_it_looks_from_the_side() -> None:
