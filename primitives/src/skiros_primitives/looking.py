@@ -11,19 +11,18 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import ClassVar
 
-import numpy as np
-
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.camera_check import compare, is_due, is_turned
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
+from skiros_primitives.views import repainted
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.messages import Message
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import SHARES, Held, MotionPlan, NoMotion, PoseMove, Route, Vector
+from skiros_py.ports.motion import SHARES, MotionPlan, NoMotion, PoseMove, Route, Vector
 from skiros_py.ports.perception import (
     Detection,
     DetectionRequest,
@@ -151,9 +150,11 @@ class LookingPrimitive(ArmPrimitive):
         return (yield from self.wait(detector.detect(request)))
 
     def _below_held(self, image: DepthImage) -> DepthImage:
-        """Returns a picture without what the gripper holds, where that is in front of the camera."""
+        """Returns a picture in which nothing was measured where it shows what the gripper holds: that hides things."""
         held = self.held() if self.carries(self.params.camera) else None
-        return image if held is None else without(image, held, self.camera_in_tip(self._camera).inverse())
+        if held is None:
+            return image
+        return repainted(image, held.solid, self.camera_in_tip(self._camera).inverse() @ held.pose, _AROUND_HELD, 0.0)
 
     def sighting(self, pose: Pose) -> Sighting:
         """Returns where something was seen in the picture that was searched last, by its pose in the map."""
@@ -330,23 +331,6 @@ class LookingPrimitive(ArmPrimitive):
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
                 write_pose(tx, part, found.pose, self.gripper_id)
         return True
-
-
-def without(image: DepthImage, held: Held, tip: Pose) -> DepthImage:
-    """Returns a picture in which nothing was measured where it shows what a gripper holds: that hides what is below.
-
-    Args:
-        image: The picture, by a camera on the hand.
-        held: What is held.
-        tip: Pose of the tip in the optical frame.
-    """
-    low, high = held.solid.bounds()
-    at = (tip @ held.pose).inverse().apply(image.points())
-    v, u = np.nonzero(image.depth > 0.0)
-    shown = np.all((at >= low - _AROUND_HELD) & (at <= high + _AROUND_HELD), axis=1)
-    depth = image.depth.copy()
-    depth[v[shown], u[shown]] = 0.0
-    return replace(image, depth=depth)
 
 
 def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:

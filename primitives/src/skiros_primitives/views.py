@@ -46,6 +46,8 @@ _LOOK_EVERY = 0.2
 """Time from what a picture showed in the way of an arm to the next picture [s]."""
 _SILENCE = 10.0
 """How long a camera may be silent [s]."""
+_BESIDE, _AROUND = 0.4, 0.01
+"""How far from a hand parts may be beside what it holds, and how far beside where they are believed to be [m]."""
 _ASK_AGAIN = 0.1
 """Time after which it is asked again [s]."""
 
@@ -125,6 +127,27 @@ def _rod(name: str, start: Array, end: Array, radius: float) -> Obstacle:
     return Obstacle(name, Solid((block,)), Pose.of(x, y, z, pitch=tilt, yaw=math.atan2(way[1], way[0])))
 
 
+def repainted(image: DepthImage, solid: Solid, pose: Pose, around: float, depth: float) -> DepthImage:
+    """Returns a picture with another depth where it shows something.
+
+    Args:
+        image: The picture.
+        solid: Its shape.
+        pose: Its pose in the optical frame.
+        around: How far beside the box around it may be what is seen of it [m].
+        depth: The depth [m]; 0 for nothing that was measured.
+    """
+    low, high = solid.bounds()
+    at = pose.inverse().apply(image.points())
+    v, u = np.nonzero(image.depth > 0.0)
+    shown = np.all((at >= low - around) & (at <= high + around), axis=1)
+    if not shown.any():
+        return image
+    painted = image.depth.copy()
+    painted[v[shown], u[shown]] = depth
+    return replace(image, depth=painted)
+
+
 class SeeingPrimitive(Primitive[Any]):
     """Base of the primitives of an arm with a camera and a planner; their parameters have a field ``arm``."""
 
@@ -165,7 +188,12 @@ class SeeingPrimitive(Primitive[Any]):
         if registrar is None or solid is None or not self.carries(camera):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
-        tip = self.context.frames.at(image.snapshot).located(camera) @ place.inverse()
+        located = self.context.frames.at(image.snapshot).located(camera)
+        tip = located @ place.inverse()
+        for other in self.world.instances(v.MANIPULATABLE):  # after a low lift, it is still between its neighbours
+            pose, shape = map_pose(self.context, other), solid_of(self.world, other)
+            if other != part and pose is not None and shape is not None and pose.distance(tip) < _BESIDE:
+                image = repainted(image, shape, located.inverse() @ pose, _AROUND, image.intrinsics.far)
         x, y, z = tip.matrix()[2, :3].tolist()
         return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part, (x, y, z)))))
 
