@@ -126,6 +126,7 @@ def test_of_conditions_that_exclude_each_other_every_repair_gives_one_up() -> No
 
     assert [repair.text for repair in one.repairs] == ["put kit_1 on deck_1 and put robot_1 at pallet_a"]
     assert "kit_1_a takes one relay box only" in both.reasons[0]
+    assert both.repairs
     assert all(repair.without for repair in both.repairs)
 
 
