@@ -119,7 +119,7 @@ def calibration() -> list[Figure]:
     ]
 
 
-ROBOTS = {"mobile_panda": False, "mobile_iiwa": False, "ur10e_cell": True}
+ROBOTS = {"mobile_panda": False, "mobile_iiwa": False, "mobile_fanuc": False, "ur10e_cell": True}
 """Whether nothing moves a robot, by its name."""
 _IN_A_KIT = 4
 _FRICTION = 0.6, 1.0
