@@ -281,6 +281,9 @@ _WEIGHED = 10
 class HandForce:
     """What pushes the hand of an arm besides what it holds, by a force-torque sensor; to be asked once per cycle.
 
+    A hand that speeds up downwards feels as light as one that is pushed up: what its mass and that of what it holds
+    need to be sped up is taken off.
+
     Args:
         context: The run.
         arm: The arm.
@@ -291,9 +294,11 @@ class HandForce:
         self._kinematics = context.port(Kinematics, arm.id)
         self._arm, self._spec = arm, sensor
         self._sensor = DeviceHandle[ForceTorqueSpec, ForceTorqueState, None](context.board, sensor.id)
+        self._board = context.board
         self._recent: deque[Array] = deque(maxlen=_MEAN)
         self._held = np.zeros(6)
         self._height = 0.0  # of the tip above the sensor
+        self._asked, self._speed = -np.inf, np.zeros(3)  # when, and how fast the sensor moved then
 
     @classmethod
     def of(cls, context: RunContext, arm: Arm) -> HandForce | None:
@@ -330,7 +335,14 @@ class HandForce:
         Raises:
             DeviceError: The sensor does not answer.
         """
-        self._recent.append(self._now() - self._held)
+        now = self._board.snapshot.time
+        if now > self._asked:
+            joints = self._arm.spec.joints
+            jacobian = self._axes() @ self._kinematics.jacobian(self._spec.frame, self._positions(), joints)[:3]
+            speed = jacobian @ np.asarray(self._arm.state.velocities)
+            gained = (speed - self._speed) / (now - self._asked)
+            self._asked, self._speed = now, speed
+            self._recent.append(self._now() - self._held + self._to_speed_up(gained))
         return np.asarray(np.mean(self._recent, axis=0)[:3])
 
     def pressed_at(self) -> Array:
@@ -339,9 +351,16 @@ class HandForce:
         return np.asarray(np.array([self._height * fx - ty, self._height * fy + tx]) / max(1.0, fz))
 
     def _now(self) -> Array:
-        positions, state = self._positions(), self._sensor.state
-        turn = rotation_matrix(self._kinematics.pose(self._spec.frame, positions).orientation)
+        turn, state = self._axes(), self._sensor.state
         return np.concatenate([turn @ state.force, turn @ state.torque])
+
+    def _to_speed_up(self, gained: Array) -> Array:
+        """Returns force and moment that an acceleration [m/s²] takes; what is held counts as in the middle of the hand."""
+        force = (self._spec.mass + max(0.0, -float(self._held[2])) / _GRAVITY) * gained
+        return np.concatenate([force, np.cross(self._axes() @ self._spec.centre, force)])
+
+    def _axes(self) -> Array:
+        return rotation_matrix(self._kinematics.pose(self._spec.frame, self._positions()).orientation)
 
     def _positions(self) -> dict[str, float]:
         return dict(zip(self._arm.spec.joints, self._arm.state.positions, strict=True))
