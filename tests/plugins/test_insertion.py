@@ -210,7 +210,8 @@ def test_a_heavy_hand_that_speeds_up_is_pushed_by_nothing(monkeypatch: pytest.Mo
     felt = []
     for cycle in range(40):
         before = [before[1], -1.5 * PERIOD * min(cycle, 10)]
-        hand.command(ArmTarget(tuple(hand.at + (0.0, 0.0, before[1] * PERIOD, 0.0, 0.0, 0.0)), (0.0,) * 6))
+        below = hand.at + np.array([0.0, 0.0, before[1] * PERIOD, 0.0, 0.0, 0.0])
+        hand.command(ArmTarget(tuple(below.tolist()), (0.0,) * 6))
         felt.append(float(force.push()[2]))
 
     assert hand.at[2] < WALL, "it came down into the opening"

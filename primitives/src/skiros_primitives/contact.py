@@ -355,7 +355,7 @@ class HandForce:
         return np.concatenate([turn @ state.force, turn @ state.torque])
 
     def _to_speed_up(self, gained: Array) -> Array:
-        """Returns force and moment that an acceleration [m/s²] takes; what is held counts as in the middle of the hand."""
+        """Returns force and moment of an acceleration [m/s²]; what is held counts as in the middle of the hand."""
         force = (self._spec.mass + max(0.0, -float(self._held[2])) / _GRAVITY) * gained
         return np.concatenate([force, np.cross(self._axes() @ self._spec.centre, force)])
 
