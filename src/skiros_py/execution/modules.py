@@ -54,7 +54,10 @@ class ModuleInfo:
 
 
 def choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:
-    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying."""
+    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying.
+
+    A description that was refined for such subsystems replaces the one that it was refined from.
+    """
     view = context.world
     robot = owner(view, agent) or agent
     there = [view.element(e).type for e in pieces(view, robot)]
@@ -64,4 +67,6 @@ def choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str
         equipped = all(any(view.ontology.is_a(t, class_) for t in there) for class_ in skill.requires)
         if wanted and equipped and view.ontology.is_a(view.element(agent).type, skill.description.agent_class):
             chosen.setdefault(skill.description.name, []).append(skill)
-    return {name: tuple(sorted(ways, key=lambda s: (s.order, s.label))) for name, ways in chosen.items()}
+    replaced = {skill.description.replaces for ways in chosen.values() for skill in ways}
+    left = {name: ways for name, ways in chosen.items() if name not in replaced}
+    return {name: tuple(sorted(ways, key=lambda s: (s.order, s.label))) for name, ways in left.items()}

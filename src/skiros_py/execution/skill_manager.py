@@ -252,6 +252,19 @@ class SkillManager:
                     run = self.run(primitive, {"device": device}, self._scope(name))
                     self._watching[name] = self._cycle.start(run, name=name)
 
+    def launch(self, module: str, arguments: Mapping[str, Any]) -> None:
+        """Starts a module in the background, where it runs until it ends or the manager goes.
+
+        One that runs there already with these arguments stays as it is.
+
+        Raises:
+            UnknownName: There is no such module.
+        """
+        name = f"{module}({', '.join(f'{key}={value}' for key, value in sorted(arguments.items()))})"
+        running = self._watching.get(name)
+        if running is None or running.done:
+            self._watching[name] = self._cycle.start(self.run(module, arguments, self._scope(name)), name=name)
+
     # ------------------------------------------------------------------ running
 
     @property

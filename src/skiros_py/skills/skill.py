@@ -84,6 +84,8 @@ class SkillDescription:
             author does not know.
         limit: How long one attempt may take at most [s], without pauses and questions to a person; ``math.inf`` for no
             limit. None for 20 times the duration, at least 300 s; no limit where that is not known either.
+        replaces: Name of the description that it was refined from (:meth:`refined`): agents that have this one do not
+            have that one. Empty for none.
     """
 
     name: str
@@ -96,6 +98,7 @@ class SkillDescription:
     post: tuple[Condition, ...] = ()
     duration: float | None = None
     limit: float | None = None
+    replaces: str = ""
 
     def __post_init__(self) -> None:
         name: object = self.name
@@ -133,6 +136,30 @@ class SkillDescription:
                 raise DescriptionError(
                     f"parameter {key} {where}: it must be an element, and it is a {params[key].type_name}"
                 )
+
+    def refined(
+        self,
+        name: str,
+        agent_class: str,
+        *,
+        help: str,  # noqa: A002 - as the field is called
+        pre: Sequence[Condition] = (),
+        hold: Sequence[Condition] = (),
+        post: Sequence[Condition] = (),
+    ) -> SkillDescription:
+        """Returns the same description for some of its agents, of whom more is asked; these have it instead of this one.
+
+        Args:
+            name: Its name ("drive_by_air").
+            agent_class: Class of its agents, below the one of this description.
+            help: One sentence for people.
+            pre: What must hold, too, before it starts.
+            hold: What must hold, too, while it runs.
+            post: What holds after it, too.
+        """
+        params = (replace(one, type=agent_class) if one.key == self.agent else one for one in self.params)
+        more = {"pre": (*self.pre, *pre), "hold": (*self.hold, *hold), "post": (*self.post, *post)}
+        return replace(self, name=name, help=help, params=tuple(params), replaces=self.name, **more)
 
     def param(self, key: str) -> Param:
         """Returns the parameter of that key.
