@@ -95,7 +95,8 @@ def main() -> int:
     rng = np.random.default_rng(18)
     flights = [_told(f"delivery {seed}", fly(seed, engine)) for seed in range(count)]
     fallen = [
-        _told(f"fall {seed}", fly(100 + seed, engine, float(when))) for seed, when in enumerate(rng.uniform(*_FLOWN, falls))
+        _told(f"fall {seed}", fly(100 + seed, engine, float(when)))
+        for seed, when in enumerate(rng.uniform(*_FLOWN, falls))
     ]
     delivered, safe = sum(one.delivered for one in flights), sum(one.is_safe for one in fallen)
     on = sum(one.delivered for one in fallen)
@@ -106,7 +107,9 @@ def main() -> int:
         figures.append(Figure(f"deliveries by air, {engine}", said, f"{count} of {count}", delivered == count))
     if fallen:
         said = f"{safe} of {falls}; {on} of them delivered after charging"
-        figures.append(Figure(f"battery falls in flight: lands safely, {engine}", said, f"{falls} of {falls}", safe == falls))
+        figures.append(
+            Figure(f"battery falls in flight: lands safely, {engine}", said, f"{falls} of {falls}", safe == falls)
+        )
     return finish("uav", figures)
 
 

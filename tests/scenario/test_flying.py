@@ -83,7 +83,9 @@ def test_where_its_battery_falls_low_it_charges_and_goes_on(
     assert report.conditions[0].true
 
 
-def test_where_its_battery_is_nearly_empty_the_autopilot_lands_where_it_is(open_session: Callable[..., Session]) -> None:
+def test_where_its_battery_is_nearly_empty_the_autopilot_lands_where_it_is(
+    open_session: Callable[..., Session],
+) -> None:
     session = open_session("delivery_uav", seed=1)
     assert session.run(["Fly(robot_1)"]).reached
     there = base_of(session).pose.position

@@ -147,7 +147,7 @@ class SkillDescription:
         hold: Sequence[Condition] = (),
         post: Sequence[Condition] = (),
     ) -> SkillDescription:
-        """Returns the same description for some of its agents, of whom more is asked; these have it instead of this one.
+        """Returns the same description for some of its agents, of whom more is asked and who have it instead of this one.
 
         Args:
             name: Its name ("drive_by_air").

@@ -38,14 +38,9 @@ def followed(path: PosePath, seconds: float = 60.0) -> AerialState:
     robot = FakeRobot(pose=BASE.start)
     model = BASE.fake(robot)
     follower = BASE.follow(path, lambda: model.state().pose)
-    for _ in range(round(seconds / robot.period)):
-        try:
-            _, target = next(follower)
-        except StopIteration as end:
-            assert end.value
-            return model.state()
+    for (_, target), _ in zip(follower, range(round(seconds / robot.period)), strict=False):
         model.command(target)
-    raise AssertionError("it does not arrive")
+    return model.state()
 
 
 def test_it_flies_up_along_and_down_to_the_end_of_a_path() -> None:
@@ -79,7 +74,9 @@ def test_without_a_command_the_fake_hovers_and_on_the_ground_it_has_landed() -> 
 
 
 def test_twists_are_mixed_by_weight() -> None:
-    mixed = BASE.mixed([Contribution("a", AerialTwist(climb=1.0), 3.0), Contribution("b", AerialTwist(linear=1.0), 1.0)])
+    mixed = BASE.mixed(
+        [Contribution("a", AerialTwist(climb=1.0), 3.0), Contribution("b", AerialTwist(linear=1.0), 1.0)]
+    )
 
     assert mixed == AerialTwist(0.25, 0.0, 0.75, 0.0)
 
