@@ -61,7 +61,8 @@ def fly(seed: int, engine: str, falls: float | None = None) -> Flight:
             session.cycle.observe(_falling(session, flight, falls))
         report = session.run()
         flight.delivered = report.reached and all(one.true for one in report.conditions)
-        flight.seconds, flight.reason = report.simulated, report.reason
+        flight.seconds = report.simulated
+        flight.reason = "; ".join((*report.no_plan, *(one.reason for one in report.conditions if one.reason)))
         flight.steps = tuple(step.skill for step in report.steps)
     return flight
 

@@ -18,7 +18,7 @@ from skiros_py.messages import Message, listed
 from skiros_py.ports.board import Mobile
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import BasePathRequest, BasePlanner, NoMotion, Obstacle
-from skiros_py.ports.paths import Layer, Path, PosePath, floor_area, swept
+from skiros_py.ports.paths import Layer, Outline, Path, PosePath, floor_area, reach, swept
 from skiros_py.skills.outcome import OBSTRUCTED, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -36,6 +36,7 @@ _CLEARANCE = 0.15
 _STRAIGHT = 0.05
 """Greatest distance of straight stretches from the way that was planned [m]."""
 _SAME = 1e-6
+_SIDES = 16
 _COURTESY = 120.0
 """Longest wait for other robots [s]."""
 _DESCENT = 0.25
@@ -99,10 +100,12 @@ class FlyingPrimitive(DrivingPrimitive):
         return (*obstacles(self.context, parts=False, without=carried), *unknown, *standing)
 
     def layers(self, low: float, high: float) -> tuple[Layer, ...]:
-        """Returns what the robot covers with its skids between two heights above the ground [m]."""
+        """Returns what the robot covers, however it is turned, with its skids between two heights above the ground [m]."""
         hanging = floor_obstacles.shape(self.context, self.group)[1:]
         own = (Layer(tuple(self.spec.footprint), 0.0, self.spec.height), *hanging)
-        return tuple(Layer(one.outline, one.bottom + low - _APART, one.top + high + _APART) for one in own)
+        return tuple(
+            Layer(_around(one.outline), one.bottom + low - _APART, one.top + high + _APART) for one in own
+        )
 
     def plan_flight(self, goal: Pose) -> Execution[PosePath | Failure]:
         """Plans up to the cruising height, along at that height, and down to a pose."""
@@ -116,8 +119,15 @@ class FlyingPrimitive(DrivingPrimitive):
         if isinstance(path, NoMotion):
             return Failure(Message("no way through the air: {reason}", reason=path.reason), values=path.values)
         along = [pose for _, pose in path.poses(start)]
-        level = [Pose((*pose.position[:2], cruise), pose.orientation) for pose in along]
+        level = [Pose((*pose.position[:2], cruise), goal.orientation) for pose in along]
         return PosePath((*_corners(level), goal))
+
+
+def _around(outline: Outline) -> tuple[tuple[float, float], ...]:
+    """Returns the circle that an outline turns in."""
+    angles = (math.tau * number / _SIDES for number in range(_SIDES))
+    radius = reach(outline) / math.cos(math.pi / _SIDES)
+    return tuple((radius * math.cos(angle), radius * math.sin(angle)) for angle in angles)
 
 
 def _corners(poses: list[Pose]) -> list[Pose]:
