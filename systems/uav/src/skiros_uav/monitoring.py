@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar
 
 from skiros_py.messages import Message
@@ -41,6 +42,7 @@ class MonitorBattery(BatteryPrimitive):
     """Writes when the charge has fallen low, and where the autopilot has landed by itself; it never ends by itself."""
 
     name: ClassVar[str] = "monitor_battery"
+    limit: ClassVar[float | None] = math.inf
 
     battery: str = param(names.BATTERY, "The battery.", kind=Kind.HARDWARE, access=Access.READ)
     robot: str = param(v.ROBOT, "Its robot.", kind=Kind.PLANNING)
