@@ -84,8 +84,7 @@ class SkillDescription:
             author does not know.
         limit: How long one attempt may take at most [s], without pauses and questions to a person; ``math.inf`` for no
             limit. None for 20 times the duration, at least 300 s; no limit where that is not known either.
-        replaces: Name of the description that it was refined from (:meth:`refined`): agents that have this one do not
-            have that one. Empty for none.
+        refines: Name of the description that it was refined from (:meth:`refined`); empty for none.
     """
 
     name: str
@@ -98,7 +97,7 @@ class SkillDescription:
     post: tuple[Condition, ...] = ()
     duration: float | None = None
     limit: float | None = None
-    replaces: str = ""
+    refines: str = ""
 
     def __post_init__(self) -> None:
         name: object = self.name
@@ -147,7 +146,9 @@ class SkillDescription:
         hold: Sequence[Condition] = (),
         post: Sequence[Condition] = (),
     ) -> SkillDescription:
-        """Returns the same description for some of its agents, of whom more is asked and who have it instead of this one.
+        """Returns the same description for some of its agents, of whom more is asked: they have it instead of this one.
+
+        The ontology says of their class that they never have this one: ``uav:AerialBase sk:refinedSkills "drive"``.
 
         Args:
             name: Its name ("drive_by_air").
@@ -158,8 +159,16 @@ class SkillDescription:
             post: What holds after it, too.
         """
         params = (replace(one, type=agent_class) if one.key == self.agent else one for one in self.params)
-        more = {"pre": (*self.pre, *pre), "hold": (*self.hold, *hold), "post": (*self.post, *post)}
-        return replace(self, name=name, help=help, params=tuple(params), replaces=self.name, **more)
+        return replace(
+            self,
+            name=name,
+            help=help,
+            params=tuple(params),
+            pre=(*self.pre, *pre),
+            hold=(*self.hold, *hold),
+            post=(*self.post, *post),
+            refines=self.name,
+        )
 
     def param(self, key: str) -> Param:
         """Returns the parameter of that key.

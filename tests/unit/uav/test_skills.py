@@ -29,7 +29,7 @@ def test_descriptions_by_air_add_flight_and_charge_and_keep_the_rest() -> None:
         assert added[:2] == ["not Landed(Robot)", "not LowBattery(Robot)"]
         assert set(of_any.description.pre) <= set(description.pre)
         assert description.post == of_any.description.post
-        assert description.replaces == of_any.description.name
+        assert description.refines == of_any.description.name
         assert [one.key for one in description.params] == [one.key for one in of_any.description.params]
 
 
@@ -40,9 +40,32 @@ def test_a_robot_that_flies_has_them_instead_of_those_of_other_robots(session: S
 
     assert by_air == {
         "base_1": {"charge", "drive_by_air", "fly_to_altitude", "land"},
-        "arm_1": {"pick_by_air", "place_by_air", "search_by_air"},
+        "arm_1": {"hand_over_by_air", "pick_by_air", "place_by_air", "search_by_air"},
     }
-    assert on_wheels == {"base_1": {"drive"}, "arm_1": {"pick", "place", "search"}}
+    assert on_wheels == {"base_1": {"drive"}, "arm_1": {"hand_over", "pick", "place", "search"}}
+
+
+def test_where_a_skill_by_air_does_not_load_there_is_no_skill_for_the_ground_in_its_place(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("skiros_uav.skills.DRIVE_BY_AIR_FAKE", "no skill")
+
+    with Session("delivery_uav", Options(fake=True)) as session:
+        assert set(session.managers["base_1"].skills) == {"charge", "fly_to_altitude", "land"}
+        report = session.run()
+
+    assert not report.reached
+    assert report.steps == ()
+    assert "drive_by_air_fake" in "; ".join(report.no_plan)
+    assert "drive_by_air_fake" in caplog.text
+
+
+def test_what_has_no_aerial_base_cannot_fly() -> None:
+    with Session("kitting", Options(fake=True)) as session:
+        report = session.run(["Fly(robot_1)"])
+
+    assert report.steps == ()
+    assert report.no_plan == ("Fly(robot_1) cannot be reached: robot_1 has no landed, and no skill changes it",)
 
 
 def test_a_delivery_takes_off_flies_picks_flies_and_places(session: Session) -> None:

@@ -7,7 +7,7 @@ airframe stays level, the rotors lift it with a limited thrust, and everything t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -233,7 +233,7 @@ class AerialBaseSpec(MobileSpec[AerialState, AerialTwist]):
         most = _SHARE * self.max_linear_acceleration
         return min(fastest, before + most / 200.0 + 0.01, math.sqrt(2.0 * most * left), _SETTLING * left)
 
-    def _twist(self, here: Pose, wanted: Sequence[float], turning: float) -> AerialTwist:
+    def _twist(self, here: Pose, wanted: Iterable[float], turning: float) -> AerialTwist:
         cos, sin = math.cos(here.yaw), math.sin(here.yaw)
         x, y, z = (float(one) for one in wanted)
         return AerialTwist(x * cos + y * sin, y * cos - x * sin, z, turning)

@@ -100,12 +100,10 @@ class FlyingPrimitive(DrivingPrimitive):
         return (*obstacles(self.context, parts=False, without=carried), *unknown, *standing)
 
     def layers(self, low: float, high: float) -> tuple[Layer, ...]:
-        """Returns what the robot covers, however it is turned, with its skids between two heights above the ground [m]."""
+        """Returns what the robot covers, however it is turned; its skids are between two heights [m]."""
         hanging = floor_obstacles.shape(self.context, self.group)[1:]
         own = (Layer(tuple(self.spec.footprint), 0.0, self.spec.height), *hanging)
-        return tuple(
-            Layer(_around(one.outline), one.bottom + low - _APART, one.top + high + _APART) for one in own
-        )
+        return tuple(Layer(_around(one.outline), one.bottom + low - _APART, one.top + high + _APART) for one in own)
 
     def plan_flight(self, goal: Pose) -> Execution[PosePath | Failure]:
         """Plans up to the cruising height, along at that height, and down to a pose."""

@@ -17,8 +17,8 @@ from skiros_uav.battery import BatterySpec, BatteryState
 
 _CHARGED = 0.9
 """Charge from which a battery counts as charged."""
-_STALLED = 30.0
-"""So long without more charge, it is not being charged [s]."""
+_STEP, _STALLED = 0.01, 60.0
+"""Without so much more charge in so long a time [s], it is not being charged."""
 
 
 class Battery(DeviceHandle[BatterySpec, BatteryState, None]):
@@ -32,10 +32,10 @@ class BatteryPrimitive(Primitive[Any]):
 
     def write_low(self, state: BatteryState, *, low: bool) -> None:
         """Writes whether the robot has to charge its battery."""
-        if self.world.value(self.robot, names.BATTERY_LOW) is not low:
+        if self.world.value(self.params.robot, names.BATTERY_LOW) is not low:
             reason = Message("the battery is at {percent:.0f} %", percent=100.0 * state.charge)
             with self.world.transaction(author=self.name, reason=reason) as tx:
-                tx.set(self.robot, names.BATTERY_LOW, low)
+                tx.set(self.params.robot, names.BATTERY_LOW, low)
 
 
 class MonitorBattery(BatteryPrimitive):
@@ -81,8 +81,9 @@ class Recharge(BatteryPrimitive):
         battery = Battery(self.context.board, self.battery)
         best, since = battery.state.charge, self.context.now
         while (state := battery.state).charge < _CHARGED:
-            if state.charge > best + 1e-4:
+            if state.charge > best + _STEP:
                 best, since = state.charge, self.context.now
+                self.progress(round(100.0 * best), Message("the battery is at {percent:.0f} %", percent=100.0 * best))
             if self.context.now - since > _STALLED:
                 return Failure(Message("{battery} is not being charged here", battery=self.battery))
             yield

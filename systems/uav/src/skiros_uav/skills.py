@@ -11,6 +11,7 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world import vocabulary as v
 from skiros_skills.conditions import HAS_PART, LOCATION_FREE, ROBOT_AT_LOCATION
 from skiros_skills.drive import DRIVE, DRIVE_FAKE
+from skiros_skills.hand_over import HAND_OVER, HAND_OVER_FAKE
 from skiros_skills.pick import PICK, PICK_FAKE
 from skiros_skills.place import PLACE, PLACE_FAKE
 from skiros_skills.search import SEARCH, SEARCH_FAKE
@@ -35,7 +36,6 @@ _PICK = PICK.description.refined(
     names.AERIAL_ARM,
     help="Picks a part that it can carry in flight.",
     pre=(_FLYING, _CHARGED, LIFTABLE("Object", "Arm")),
-    hold=(_CHARGED,),
 )
 PICK_BY_AIR = replace(PICK, description=_PICK)
 PICK_BY_AIR_FAKE = replace(PICK_FAKE, description=_PICK)
@@ -45,17 +45,24 @@ _PLACE = PLACE.description.refined(
     names.AERIAL_ARM,
     help="Places a held part in flight.",
     pre=(_FLYING, _CHARGED),
-    hold=(_CHARGED,),
 )
 PLACE_BY_AIR = replace(PLACE, description=_PLACE)
 PLACE_BY_AIR_FAKE = replace(PLACE_FAKE, description=_PLACE)
+
+_HAND_OVER = HAND_OVER.description.refined(
+    "hand_over_by_air",
+    names.AERIAL_ARM,
+    help="Puts a held part onto a shelf, in flight.",
+    pre=(_FLYING, _CHARGED),
+)
+HAND_OVER_BY_AIR = replace(HAND_OVER, description=_HAND_OVER)
+HAND_OVER_BY_AIR_FAKE = replace(HAND_OVER_FAKE, description=_HAND_OVER)
 
 _SEARCH = SEARCH.description.refined(
     "search_by_air",
     names.AERIAL_ARM,
     help="Searches the compartment over which a part was let go, in flight.",
     pre=(_FLYING, _CHARGED),
-    hold=(_CHARGED,),
 )
 SEARCH_BY_AIR = replace(SEARCH, description=_SEARCH)
 SEARCH_BY_AIR_FAKE = replace(SEARCH_FAKE, description=_SEARCH)
