@@ -2,8 +2,8 @@
 
     uv run python benchmarks/uav.py --deliveries 20 --falls 10
 
-Each seed is a fresh scene with newly drawn part poses. A battery that falls does so at a drawn time, once the robot is in the
-air; it has landed safely where it stands on its skids at a landing place and has touched nothing before.
+Each seed is a fresh scene with newly drawn part poses. A battery that falls does so at a drawn time, once the robot is
+in the air; it has landed safely where it stands on its skids at a landing place and has touched nothing before.
 """
 
 from __future__ import annotations
