@@ -148,7 +148,7 @@ class SkillDescription:
     ) -> SkillDescription:
         """Returns the same description for some of its agents, of whom more is asked: they have it instead of this one.
 
-        The ontology says of their class that they never have this one: ``uav:AerialBase sk:refinedSkills "drive"``.
+        The ontology says of their class that they never have this one: ``sk:refinedSkills "drive"``.
 
         Args:
             name: Its name ("drive_by_air").
