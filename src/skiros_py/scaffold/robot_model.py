@@ -222,8 +222,7 @@ class RobotDescription:
             longest = max(chains, key=len, default=[])
             raise UsageError(
                 f"{self.file.name} has no arm: its longest chain of turning joints has {best}"
-                f" ({', '.join(joint.name for joint in longest) or 'none'}), an arm at least {_FEWEST};"
-                " a model of a base is given by --base, beside that of an arm"
+                f" ({', '.join(joint.name for joint in longest) or 'none'}), an arm at least {_FEWEST}"
             )
         found = [chain for chain in chains if len(chain) == best]
         if len(found) > 1:

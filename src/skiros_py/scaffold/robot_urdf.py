@@ -266,6 +266,9 @@ class Composer:
             wrong = value is not None and (same or _absurd(*value, points))
             if value is not None and not wrong:
                 continue
+            if not len(points):  # a frame, not a body
+                _set_inertia(link, 0.001, np.eye(3) * 1e-6, np.zeros(3))
+                continue
             (absurd if wrong else missing).append(name)
             mass = value[0] if value is not None and value[0] > 0.0 else 0.0
             self._from_shape(link, mass, points)
@@ -275,8 +278,6 @@ class Composer:
             self._note(f"inertia that cannot be true (zero, too large, or the same for all), computed: {', '.join(absurd)}")
 
     def _from_shape(self, link: ET.Element, mass: float, points: Array) -> None:
-        if not len(points):
-            points = np.array([[-0.01] * 3, [0.01] * 3])
         low, high = points.min(axis=0), points.max(axis=0)
         size = np.maximum(high - low, 0.002)
         mass = mass or max(0.01, _DENSITY * _volume(points))
@@ -567,9 +568,8 @@ class Composer:
         """Finds a posture with the hand down over the front, the elbow bent, and far from the limits."""
         limits = np.array([self._limits(joint.name) for joint in self._arm])
         inset = np.minimum(0.1, (limits[:, 1] - limits[:, 0]) / 10.0)
-        low, high = np.maximum(limits[:, 0] + inset, -math.pi), np.minimum(limits[:, 1] - inset, math.pi)
-        wide = low >= high
-        low[wide], high[wide] = (limits[:, 0] + inset)[wide], (limits[:, 1] - inset)[wide]
+        middle = limits.mean(axis=1)
+        low, high = np.maximum(limits[:, 0] + inset, middle - math.pi), np.minimum(limits[:, 1] - inset, middle + math.pi)
         steps = [_joint_step(self._model.path(self._arm[-1].child), joint.name) for joint in self._arm]
         tool = self._tool()
         shoulder = self._forward(steps, tool, np.zeros(len(steps)))[1][min(1, len(steps) - 1)]
@@ -589,8 +589,7 @@ class Composer:
             return 2.0 * elbow + min(room, 0.5) - 0.1 * float(np.abs(q).max())
 
         best = sorted(found, key=worth, reverse=True)
-        self.found.home = tuple(round(float(angle), 4) for angle in best[0])
-        self.candidates = best
+        self.found.home = tuple(round(float(angle), 4) + 0.0 for angle in best[0])
 
     def _flat_reach(self, steps, tool, shoulder, full, bounds, rng) -> float:  # type: ignore[no-untyped-def]
         """Returns how far out the hand, pointing down just above a table, gets [m]."""
@@ -803,7 +802,12 @@ def _join(urdf: ET.Element, name: str, kind: str, parent: str, child: str, pose:
 
 
 def _set_origin(element: ET.Element, pose: Array) -> None:
-    angles = Rotation.from_matrix(pose[:3, :3]).as_euler("xyz")
+    turn = pose[:3, :3]
+    level = math.hypot(turn[0, 0], turn[1, 0])
+    roll, yaw = math.atan2(turn[2, 1], turn[2, 2]), math.atan2(turn[1, 0], turn[0, 0])
+    if level < 1e-7:  # roll and yaw turn about one axis
+        roll, yaw = math.atan2(-turn[1, 2], turn[1, 1]), 0.0
+    angles = (roll, math.atan2(-turn[2, 0], level), yaw)
     ET.SubElement(element, "origin", xyz=_text(pose[:3, 3]), rpy=_text(angles))
 
 
