@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.config import scene_names
+from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.plugin import PluginFault
 from skiros_py.ports.kinematics import GROUP

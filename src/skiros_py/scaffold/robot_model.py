@@ -287,7 +287,9 @@ class RobotDescription:
             fingers = said.split()
             unknown = [one for one in fingers if one not in here[1:]]
             if len(fingers) != _PAIR or unknown:
-                wrong = f"{', '.join(unknown)} is not behind the arm" if unknown else "it takes the links of two fingers"
+                wrong = (
+                    f"{', '.join(unknown)} is not behind the arm" if unknown else "it takes the links of two fingers"
+                )
                 raise UsageError(f"--gripper {said}: {wrong}; there are {', '.join(here[1:]) or 'none'}")
         else:
             fingers = self._fingers(flange)
@@ -324,7 +326,7 @@ class RobotDescription:
 
         best: dict[str, float] = {}
         for joint in own:
-            best[joint.name] = max((joint.lower, joint.upper), key=lambda end: apart({**best, joint.name: end}))  # noqa: B023
+            best[joint.name] = max((joint.lower, joint.upper), key=lambda end: apart({**best, joint.name: end}))
         return best
 
     def _centre(self, link: str, positions: Mapping[str, float], palm: str) -> Array:

@@ -159,7 +159,9 @@ class Composer:
             link.extend(collisions)
             link.extend(shape for one in element.findall("visual") for shape in self._visual(one, collisions))
             given = self._model.shapes(name)
-            self._points[name] = np.concatenate([np.zeros((0, 3)), *(_corners(one, self._mesh_points) for one in given)])
+            self._points[name] = np.concatenate(
+                [np.zeros((0, 3)), *(_corners(one, self._mesh_points) for one in given)]
+            )
         if bare:
             self._note(f"links without shapes for collisions: those for the eye serve for {', '.join(bare)}")
 
@@ -275,7 +277,9 @@ class Composer:
         if missing:
             self._note(f"no inertia, computed from shapes at {_DENSITY:.0f} kg/m³: {', '.join(missing)}")
         if absurd:
-            self._note(f"inertia that cannot be true (zero, too large, or the same for all), computed: {', '.join(absurd)}")
+            self._note(
+                f"inertia that cannot be true (zero, too large, or the same for all), computed: {', '.join(absurd)}"
+            )
 
     def _from_shape(self, link: ET.Element, mass: float, points: Array) -> None:
         low, high = points.min(axis=0), points.max(axis=0)
@@ -318,7 +322,12 @@ class Composer:
                 speed = _SPEED
             effort = float(stated.get("effort", "0")) if stated is not None else 0.0
             ET.SubElement(
-                made, "limit", lower=f"{lower:.6g}", upper=f"{upper:.6g}", velocity=f"{speed:.6g}", effort=f"{effort:.6g}"
+                made,
+                "limit",
+                lower=f"{lower:.6g}",
+                upper=f"{upper:.6g}",
+                velocity=f"{speed:.6g}",
+                effort=f"{effort:.6g}",
             )
         if endless:
             self._note(f"joints that turn without end get a turn to each side: {', '.join(endless)}")
@@ -334,7 +343,7 @@ class Composer:
         assumed = []
         for number, joint in enumerate(self._arm):
             limit = next(one for one in self.found.urdf.findall("joint") if one.get("name") == joint.name).find("limit")
-            assert limit is not None  # noqa: S101 - it was made above
+            assert limit is not None
             if 0.0 < float(limit.get("effort", "0")) < 1e5:
                 continue
             lever = torque = 0.0
@@ -345,7 +354,9 @@ class Composer:
             limit.set("effort", f"{_EFFORT_MARGIN * torque + _EFFORT_LEAST + 9.81 * 2.0 * lever:.4g}")
             assumed.append(joint.name)
         if assumed:
-            self._note(f"no greatest effort, assumed what holds the stretched arm and 2 kg, amply: {', '.join(assumed)}")
+            self._note(
+                f"no greatest effort, assumed what holds the stretched arm and 2 kg, amply: {', '.join(assumed)}"
+            )
 
     # ------------------------------------------------------------------ hand: fingers, tool point, camera
 
@@ -425,7 +436,9 @@ class Composer:
             if not len(part):
                 continue
             low, high = part.min(axis=0), part.max(axis=0)
-            (low if sign > 0.0 else high)[1] = inner if top > above else sign * max(sign * (low if sign > 0.0 else high)[1], abs(inner))
+            (low if sign > 0.0 else high)[1] = (
+                inner if top > above else sign * max(sign * (low if sign > 0.0 else high)[1], abs(inner))
+            )
             high[2], low[2] = min(high[2], top), low[2] if top == above else max(low[2], above)
             size = high - low
             if size.min() < 0.001:
@@ -460,7 +473,9 @@ class Composer:
         _join(urdf, "gripper_mount", "fixed", self._called(flange), palm, frame)
         names = []
         for side_name, sign in (("left", 1.0), ("right", -1.0)):
-            finger = self._box_link(f"gripper_{side_name}_finger", 0.08, (0.022, 0.014, 0.08), (0.0, sign * 0.007, 0.04))
+            finger = self._box_link(
+                f"gripper_{side_name}_finger", 0.08, (0.022, 0.014, 0.08), (0.0, sign * 0.007, 0.04)
+            )
             at = np.eye(4)
             at[2, 3] = 0.06
             name = f"gripper_{side_name}_finger_joint"
@@ -518,7 +533,9 @@ class Composer:
         model = self._model
         shoulder = self._arm[min(1, len(self._arm) - 1)]
         height = _TABLE + _SHOULDER - float(model.pose(shoulder.child, {})[2, 3])
-        low = min((float(self._at_zero(link)[:, 2].min()) for link in model.links if len(self._points[link])), default=0.0)
+        low = min(
+            (float(self._at_zero(link)[:, 2].min()) for link in model.links if len(self._points[link])), default=0.0
+        )
         height = round(max(height, -low if low < -0.02 else 0.0), 3)
         root = ET.Element("link", name=_ROOT)
         self.found.urdf.insert(0, root)
@@ -569,11 +586,16 @@ class Composer:
         limits = np.array([self._limits(joint.name) for joint in self._arm])
         inset = np.minimum(0.1, (limits[:, 1] - limits[:, 0]) / 10.0)
         middle = limits.mean(axis=1)
-        low, high = np.maximum(limits[:, 0] + inset, middle - math.pi), np.minimum(limits[:, 1] - inset, middle + math.pi)
+        low, high = (
+            np.maximum(limits[:, 0] + inset, middle - math.pi),
+            np.minimum(limits[:, 1] - inset, middle + math.pi),
+        )
         steps = [_joint_step(self._model.path(self._arm[-1].child), joint.name) for joint in self._arm]
         tool = self._tool()
         shoulder = self._forward(steps, tool, np.zeros(len(steps)))[1][min(1, len(steps) - 1)]
-        full = sum(float(np.linalg.norm((fixed @ joint.origin)[:3, 3])) for fixed, joint in steps[2:]) + float(np.linalg.norm(tool[:3, 3]))
+        full = sum(float(np.linalg.norm((fixed @ joint.origin)[:3, 3])) for fixed, joint in steps[2:]) + float(
+            np.linalg.norm(tool[:3, 3])
+        )
         rng = np.random.default_rng(0)
         self.found.reach = round(self._flat_reach(steps, tool, shoulder, full, (low, high), rng), 3)
         self.found.places = round(float(np.clip(0.72 * self.found.reach, 0.4, 0.8)), 2)
@@ -626,7 +648,7 @@ class Composer:
 
     def _limits(self, name: str) -> tuple[float, float]:
         limit = next(one for one in self.found.urdf.findall("joint") if one.get("name") == name).find("limit")
-        assert limit is not None  # noqa: S101
+        assert limit is not None
         return float(limit.get("lower", "0")), float(limit.get("upper", "0"))
 
     def _tool(self) -> Array:
@@ -677,7 +699,7 @@ def _scale(mesh: ET.Element) -> Array:
 def _corners(element: ET.Element, mesh_points) -> Array:  # type: ignore[no-untyped-def]
     """Returns points around a shape in the frame of its link."""
     shape = element.find("geometry")
-    assert shape is not None  # noqa: S101 - it was made by this module, or by URDF's rules
+    assert shape is not None
     shape = shape[0]
     if shape.tag == "mesh":
         points = mesh_points(shape)
@@ -759,7 +781,10 @@ def _inertia(link: ET.Element) -> tuple[float, Array, Array] | None:
     if inertial is None:
         return None
     mass, tensor = inertial.find("mass"), inertial.find("inertia")
-    value = {key: float((tensor.get(key) if tensor is not None else None) or "0") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")}
+    value = {
+        key: float((tensor.get(key) if tensor is not None else None) or "0")
+        for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    }
     matrix = np.array(
         [
             [value["ixx"], value["ixy"], value["ixz"]],

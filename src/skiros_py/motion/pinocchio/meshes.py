@@ -10,6 +10,7 @@ import numpy as np
 from skiros_py.errors import FileError
 from skiros_py.geometry import Array
 
+
 def read_mesh(file: Path) -> tuple[Array, Array]:
     """Reads a mesh in any format that Assimp reads.
 
