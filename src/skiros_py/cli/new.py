@@ -59,7 +59,7 @@ def _addition(kind: str, order: type[Order]) -> Any:
         if sys.stdin.isatty() and not any(all(given[name] for name in names) for names in order.enough):
             _ask(order, given)
         if kind == "robot" and is_urdf(given["name"]):
-            return _robot_from_urdf(order(**given), dry_run=dry_run)
+            return _robot_from_urdf(NewRobot(**given), dry_run=dry_run)
         make = getattr(import_module(f"skiros_py.scaffold.{kind}"), f"draft_{kind}")
         with knowledge_of(Project.around(Path.cwd())) as known:
             draft: Draft = make(known, order(**given))
@@ -84,7 +84,8 @@ def _robot_from_urdf(said: NewRobot, *, dry_run: bool) -> Found:
         except Undecided as missing:
             if not sys.stdin.isatty():
                 raise
-            said = replace(said, **{missing.option: click.prompt(missing.question, err=True)})
+            answer = click.prompt(missing.question, err=True)
+            said = replace(said, arm=answer) if missing.option == "arm" else replace(said, gripper=answer)
     draft.check() if dry_run else draft.write()
     scene = next(Path(path).stem for path in draft.new if "/scenes/" in path and path.endswith(".ttl"))
     steps = [f"cd {draft.root}"] if draft.root != Path.cwd() else []

@@ -34,7 +34,7 @@ def _options(flag: str, metavar: str, help_: str, such_as: str = "") -> Any:
 
 
 def is_urdf(name: str) -> bool:
-    """Returns whether the name of a robot is a URDF file, or one in a package ("pybullet_data:xarm/xarm6_robot.urdf")."""
+    """Returns whether a robot is named by a URDF file, or by one in a package ("pybullet_data:husky/husky.urdf")."""
     return name.lower().endswith(".urdf") or ":" in name
 
 
@@ -153,8 +153,8 @@ class NewOntology(Order):
 class NewRobot(Order):
     """Writes a robot NAME: the individuals of a mobile manipulator, for scenes to import.
 
-    With a URDF file, or PACKAGE:PATH of an installed package, as NAME: a whole robot on a pedestal, with a scene in which
-    it picks and places; outside of a package, as a distribution of its own. What the file does not tell is found or asked.
+    With a URDF file, or PACKAGE:PATH of an installed package, as NAME: a whole robot on a pedestal, with a scene in
+    which it picks and places; outside of a package, as a distribution of its own. What the file lacks is asked for.
     """
 
     example = "robot loader --start dock --limit max-linear=0.5"

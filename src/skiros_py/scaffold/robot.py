@@ -161,7 +161,7 @@ def find_srdf(urdf: Path, said: str) -> Path | None:
     """Returns the SRDF of a robot: the one that was said, or one of the same name beside its URDF."""
     if said:
         if not Path(said).is_file():
-            raise FileError(said, "there is no such file")
+            raise FileError(Path(said), "there is no such file")
         return Path(said)
     places = (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf")
     return next((place for place in places if place.is_file()), None)

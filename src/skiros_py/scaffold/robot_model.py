@@ -70,7 +70,8 @@ class Joint:
         if self.type in _TURNS:
             return self.origin @ Pose.turn(*(position * self.axis)).matrix()
         if self.type == "prismatic":
-            return self.origin @ Pose((*map(float, position * self.axis),)).matrix()  # type: ignore[arg-type]
+            x, y, z = (position * self.axis).tolist()
+            return self.origin @ Pose((x, y, z)).matrix()
         return self.origin
 
 
@@ -332,7 +333,7 @@ class RobotDescription:
     def _centre(self, link: str, positions: Mapping[str, float], palm: str) -> Array:
         pose = self.pose(link, positions, palm)
         middle = self.links[link].find("inertial/origin")
-        return (pose @ [*_numbers(None if middle is None else middle.get("xyz")), 1.0])[:3]  # type: ignore[no-any-return]
+        return (pose @ [*_numbers(None if middle is None else middle.get("xyz")), 1.0])[:3]
 
     def shapes(self, link: str) -> list[ET.Element]:
         """Returns the shapes of a link for collisions; those for the eye where there are none."""

@@ -86,7 +86,7 @@ class Composed:
     fingers: Fingers | None = None
     flange: str = ""
     camera: str = "camera_optical"
-    load: tuple[float, Array] = (0.0, field(default_factory=lambda: np.zeros(3)))  # type: ignore[assignment]
+    load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
     notes: list[str] = field(default_factory=list)
     texts: dict[str, str] = field(default_factory=dict)
     copied: dict[str, Path] = field(default_factory=dict)
@@ -258,7 +258,8 @@ class Composer:
         tensors = [tuple(value[1].ravel()) for value in stated.values() if value is not None]
         common = max(tensors, key=tensors.count, default=())
         same = len(tensors) > 3 and tensors.count(common) > 0.8 * len(tensors)
-        missing, absurd = [], []
+        missing: list[str] = []
+        absurd: list[str] = []
         for name in self._model.links:
             value, points = stated[name], self._points[name]
             link = self._link(self._called(name))
@@ -403,8 +404,10 @@ class Composer:
     def _rigid(self, link: str, pose: Array) -> Array:
         """Returns points of a link and of what is fixed to it [m], at a pose of the link."""
         found = [self._points[link] @ pose[:3, :3].T + pose[:3, 3]]
-        for joint in self._model.below[link]:
-            found.append(self._rigid(joint.child, pose @ joint.transform(self._model.position(joint, self._positions))))
+        found += [
+            self._rigid(joint.child, pose @ joint.transform(self._model.position(joint, self._positions)))
+            for joint in self._model.below[link]
+        ]
         return np.concatenate(found)
 
     def _near(self, palm: str) -> Array:
@@ -495,8 +498,8 @@ class Composer:
         low, high = float((points @ axis).min()), float((points @ axis).max())
         behind = float(-(self._arm[-1].origin[:3, :3] @ axis) @ self._arm[-1].origin[:3, 3])
         if abs(high + low) > 0.2 * (high - low):
-            return axis if high > -low else -axis  # type: ignore[no-any-return]
-        return -axis if behind > 0.0 else axis  # type: ignore[no-any-return]
+            return axis if high > -low else -axis
+        return -axis if behind > 0.0 else axis
 
     def _box_link(
         self, name: str, mass: float, size: tuple[float, float, float], at: tuple[float, float, float]
@@ -577,7 +580,7 @@ class Composer:
             for child, pose in below.get(name, ()):
                 poses[child] = poses[name] @ pose
                 waiting.append(child)
-        self.found.load = (mass, moment / mass if mass else np.zeros(3))
+        self.found.load = (mass, (moment / mass if mass else moment).tolist())
 
     # ------------------------------------------------------------------ home
 
@@ -608,7 +611,7 @@ class Composer:
             places = self._forward(steps, tool, q)[1]
             elbow = min(place[2] for place in places[2:])
             room = float(np.minimum(q - limits[:, 0], limits[:, 1] - q).min())
-            return 2.0 * elbow + min(room, 0.5) - 0.1 * float(np.abs(q).max())
+            return float(2.0 * elbow + min(room, 0.5) - 0.1 * float(np.abs(q).max()))
 
         best = sorted(found, key=worth, reverse=True)
         self.found.home = tuple(round(float(angle), 4) + 0.0 for angle in best[0])
@@ -623,19 +626,19 @@ class Composer:
                 near = share
             else:
                 far = share
-        return near * full
+        return float(near * full)
 
     def _solutions(self, steps, tool, target, bounds, rng, count, enough=math.inf) -> list[Array]:  # type: ignore[no-untyped-def]
         low, high = bounds
 
         def off(q: Array) -> Array:
             pose, _, _ = self._forward(steps, tool, q)
-            return np.concatenate([(pose[:3, 3] - target) * 5.0, pose[:3, 2] - _DOWN])  # type: ignore[no-any-return]
+            return np.concatenate([(pose[:3, 3] - target) * 5.0, pose[:3, 2] - _DOWN])
 
         def slope(q: Array) -> Array:
             pose, places, axes = self._forward(steps, tool, q)
             moved = np.cross(axes, pose[:3, 3] - np.array(places))
-            return np.vstack([moved.T * 5.0, np.cross(axes, pose[:3, 2]).T])  # type: ignore[no-any-return]
+            return np.vstack([moved.T * 5.0, np.cross(axes, pose[:3, 2]).T])
 
         found: list[Array] = []
         for _ in range(count):
@@ -798,7 +801,7 @@ def _inertia(link: ET.Element) -> tuple[float, Array, Array] | None:
 def _absurd(mass: float, tensor: Array, centre: Array, points: Array) -> bool:
     """Returns whether no body of about that shape has such an inertia."""
     moments = np.linalg.eigvalsh(tensor)
-    if mass <= 0.0 or moments[0] <= 0.0 or moments[2] > 1.02 * (moments[0] + moments[1]):
+    if mass <= 0.0 or moments[0] <= 0.0 or moments[2] > moments[0] + moments[1]:
         return True
     if not len(points):
         return False
