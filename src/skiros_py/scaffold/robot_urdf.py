@@ -8,13 +8,15 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import MissingExtra, UsageError
 from skiros_py.geometry import Array
 from skiros_py.ports.robot_files import installed_name
@@ -29,8 +31,10 @@ _DENSITY = 800.0
 """Assumed of links that state no mass [kg/m³]."""
 _SPEED, _ACCELERATION = 1.0, 3.0
 """Assumed of joints that state no speed [rad/s], and of all [rad/s²]."""
-_EFFORT_MARGIN, _EFFORT_LEAST = 3.0, 5.0
-"""Assumed of joints that state no effort: so many times what holds the stretched arm, and that on top [N m]."""
+_EFFORT_MARGIN, _EFFORT_LEAST, _PAYLOAD = 3.0, 5.0, 2.0
+"""Assumed of joints that state no effort: so many times what holds the arm and a load [kg], and that on top [N m]."""
+_MOST_EFFORT = 1e5
+"""Beyond it, what is stated is no limit [N m]."""
 _TABLE = 0.5
 _SHOULDER = 0.28
 """Height of the shoulder above the tables [m]."""
@@ -40,7 +44,6 @@ _PAD = 0.04
 """Length of the fingers from their ends that counts as pads [m]."""
 _FORCE = 40.0
 """Assumed finger force [N]."""
-_DOWN = np.array([0.0, 0.0, -1.0])
 
 
 class Fingers(NamedTuple):
@@ -109,6 +112,7 @@ class Composer:
         self._meshes: dict[Path, tuple[Array, Array]] = {}
         self._hulls: dict[tuple[Path, tuple[float, ...]], str] = {}
         self._gone: set[str] = set()
+        self._effortless: dict[str, ET.Element] = {}
         self.found = Composed(ET.Element("robot", name=name), tuple(joint.name for joint in arm))
         self.found.flange = self._called(arm[-1].child)
 
@@ -125,9 +129,7 @@ class Composer:
         self._joints()
         self._hand()
         self._pedestal()
-        self._efforts()
-        self._load()
-        self._find_home()
+        self._measure()
         ET.indent(self.found.urdf)
         return self.found
 
@@ -322,14 +324,10 @@ class Composer:
                 speeds.append(joint.name)
                 speed = _SPEED
             effort = float(stated.get("effort", "0")) if stated is not None else 0.0
-            ET.SubElement(
-                made,
-                "limit",
-                lower=f"{lower:.6g}",
-                upper=f"{upper:.6g}",
-                velocity=f"{speed:.6g}",
-                effort=f"{effort:.6g}",
-            )
+            values = {"lower": lower, "upper": upper, "velocity": speed, "effort": effort}
+            limit = ET.SubElement(made, "limit", {key: f"{value:.6g}" for key, value in values.items()})
+            if not 0.0 < effort < _MOST_EFFORT:
+                self._effortless[joint.name] = limit
         if endless:
             self._note(f"joints that turn without end get a turn to each side: {', '.join(endless)}")
         if unlimited:
@@ -338,26 +336,6 @@ class Composer:
             self._note(f"no greatest speed, assumed {_SPEED} rad/s: {', '.join(speeds)}")
         if frozen:
             self._note(f"joints that are neither of the arm nor of the gripper stand still: {', '.join(frozen)}")
-
-    def _efforts(self) -> None:
-        """Assumes efforts that hold the arm stretched out, where none are stated."""
-        assumed = []
-        for number, joint in enumerate(self._arm):
-            limit = next(one for one in self.found.urdf.findall("joint") if one.get("name") == joint.name).find("limit")
-            assert limit is not None
-            if 0.0 < float(limit.get("effort", "0")) < 1e5:
-                continue
-            lever = torque = 0.0
-            for later in self._arm[number:]:
-                mass = float(self._link(self._called(later.child)).find("inertial/mass").get("value"))  # type: ignore
-                torque += 9.81 * mass * lever
-                lever += float(np.linalg.norm(later.origin[:3, 3])) if later is not joint else 0.0
-            limit.set("effort", f"{_EFFORT_MARGIN * torque + _EFFORT_LEAST + 9.81 * 2.0 * lever:.4g}")
-            assumed.append(joint.name)
-        if assumed:
-            self._note(
-                f"no greatest effort, assumed what holds the stretched arm and 2 kg, amply: {', '.join(assumed)}"
-            )
 
     # ------------------------------------------------------------------ hand: fingers, tool point, camera
 
@@ -552,136 +530,50 @@ class Composer:
         at = np.eye(4)
         at[2, 3] = height
         _join(self.found.urdf, "pedestal_joint", "fixed", _ROOT, self._called(model.root), at)
-        self._mount = at
 
     def _at_zero(self, link: str) -> Array:
         pose = self._model.pose(link, self._positions)
         return self._points[link] @ pose[:3, :3].T + pose[:3, 3]
 
-    def _load(self) -> None:
-        """Adds up what the last joint carries, with the fingers open."""
-        poses, mass, moment = {self.found.flange: np.eye(4)}, 0.0, np.zeros(3)
-        below: dict[str, list[tuple[str, Array]]] = {}
-        for joint in self.found.urdf.findall("joint"):
-            pose = origin_of(joint)
-            limit, axis = joint.find("limit"), joint.find("axis")
-            if joint.get("type") == "prismatic" and limit is not None and axis is not None:
-                travel = np.array(axis.get("xyz", "").split(), dtype=float) * float(limit.get("upper", "0"))
-                pose[:3, 3] += pose[:3, :3] @ travel
-            parent, child = (str(joint.find(tag).get("link")) for tag in ("parent", "child"))  # type: ignore[union-attr]
-            below.setdefault(parent, []).append((child, pose))
-        waiting = [self.found.flange]
-        while waiting:
-            name = waiting.pop()
-            value = _inertia(self._link(name))
-            if value is not None:
-                mass += value[0]
-                moment += value[0] * (poses[name] @ [*value[2], 1.0])[:3]
-            for child, pose in below.get(name, ()):
-                poses[child] = poses[name] @ pose
-                waiting.append(child)
-        self.found.load = (mass, (moment / mass if mass else moment).tolist())
+    # ------------------------------------------------------------------ what follows from all of it
 
-    # ------------------------------------------------------------------ home
+    def _measure(self) -> None:
+        """Works out load, efforts, reach and home of the arm as it is written."""
+        from skiros_py.motion.pinocchio.arm_model import ArmModel
+        from skiros_py.motion.pinocchio.measures import find_home, holding_efforts, load_of, reach_above
 
-    def _find_home(self) -> None:
-        """Finds a posture with the hand down over the front, the elbow bent, and far from the limits."""
-        limits = np.array([self._limits(joint.name) for joint in self._arm])
-        inset = np.minimum(0.1, (limits[:, 1] - limits[:, 0]) / 10.0)
-        middle = limits.mean(axis=1)
-        low, high = (
-            np.maximum(limits[:, 0] + inset, middle - math.pi),
-            np.minimum(limits[:, 1] - inset, middle + math.pi),
-        )
-        steps = [_joint_step(self._model.path(self._arm[-1].child), joint.name) for joint in self._arm]
-        tool = self._tool()
-        shoulder = self._forward(steps, tool, np.zeros(len(steps)))[1][min(1, len(steps) - 1)]
-        full = sum(float(np.linalg.norm((fixed @ joint.origin)[:3, 3])) for fixed, joint in steps[2:]) + float(
-            np.linalg.norm(tool[:3, 3])
-        )
-        rng = np.random.default_rng(0)
-        self.found.reach = round(self._flat_reach(steps, tool, shoulder, full, (low, high), rng), 3)
-        self.found.places = round(float(np.clip(0.72 * self.found.reach, 0.4, 0.8)), 2)
-        target = np.array([shoulder[0] + 0.6 * self.found.reach, shoulder[1], _TABLE + 0.3])
-        found = self._solutions(steps, tool, target, (low, high), rng, 40)
-        if not found:
+        found, hand = self.found, self.found.fingers
+        gripper = GripperSpec("gripper", hand.joints, "arm", hand.max_gap, hand.max_force)
+        with TemporaryDirectory(prefix="skiros-robot-") as folder:
+            file = Path(folder) / "robot.urdf"
+            file.write_bytes(ET.tostring(self._without_visuals(Path(folder))))
+            arm = ArmModel(file, ArmSpec("arm", found.arm, "tcp", (0.0,) * len(found.arm)), [gripper])
+        mass, centre = load_of(arm)
+        found.load = mass, centre.tolist()
+        if self._effortless:
+            efforts = _EFFORT_MARGIN * holding_efforts(arm, _PAYLOAD) + _EFFORT_LEAST
+            for name, effort in zip(found.arm, efforts, strict=True):
+                if name in self._effortless:
+                    self._effortless[name].set("effort", f"{effort:.4g}")
+            names = ", ".join(self._effortless)
+            self._note(f"no greatest effort, assumed what holds the arm and {_PAYLOAD:.0f} kg, amply: {names}")
+        found.reach = round(reach_above(arm, _TABLE + 0.06), 3)
+        found.places = round(float(np.clip(0.72 * found.reach, 0.4, 0.8)), 2)
+        home = find_home(arm, 0.6 * found.reach, _TABLE + 0.3)
+        if home is None:
             raise UsageError("no posture with the hand down in front of the robot was found: choose the arm by --arm")
+        found.home = tuple(round(float(angle), 4) + 0.0 for angle in home)
 
-        def worth(q: Array) -> float:
-            places = self._forward(steps, tool, q)[1]
-            elbow = min(place[2] for place in places[2:])
-            room = float(np.minimum(q - limits[:, 0], limits[:, 1] - q).min())
-            return float(2.0 * elbow + min(room, 0.5) - 0.1 * float(np.abs(q).max()))
-
-        best = sorted(found, key=worth, reverse=True)
-        self.found.home = tuple(round(float(angle), 4) + 0.0 for angle in best[0])
-
-    def _flat_reach(self, steps, tool, shoulder, full, bounds, rng) -> float:  # type: ignore[no-untyped-def]
-        """Returns how far out the hand, pointing down just above a table, gets [m]."""
-        near, far = 0.3, 1.0
-        for _ in range(5):
-            share = (near + far) / 2.0
-            target = np.array([shoulder[0] + share * full, shoulder[1], _TABLE + 0.06])
-            if self._solutions(steps, tool, target, bounds, rng, 6, enough=1):
-                near = share
-            else:
-                far = share
-        return float(near * full)
-
-    def _solutions(self, steps, tool, target, bounds, rng, count, enough=math.inf) -> list[Array]:  # type: ignore[no-untyped-def]
-        low, high = bounds
-
-        def off(q: Array) -> Array:
-            pose, _, _ = self._forward(steps, tool, q)
-            return np.concatenate([(pose[:3, 3] - target) * 5.0, pose[:3, 2] - _DOWN])
-
-        def slope(q: Array) -> Array:
-            pose, places, axes = self._forward(steps, tool, q)
-            moved = np.cross(axes, pose[:3, 3] - np.array(places))
-            return np.vstack([moved.T * 5.0, np.cross(axes, pose[:3, 2]).T])
-
-        found: list[Array] = []
-        for _ in range(count):
-            done = least_squares(off, rng.uniform(low, high), slope, bounds=(low, high), max_nfev=40)
-            if float(np.abs(done.fun).max()) < 5e-3:
-                found.append(done.x)
-            if len(found) >= enough:
-                break
-        return found
-
-    def _limits(self, name: str) -> tuple[float, float]:
-        limit = next(one for one in self.found.urdf.findall("joint") if one.get("name") == name).find("limit")
-        assert limit is not None
-        return float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-
-    def _tool(self) -> Array:
-        """Returns the tool point in the frame of the flange."""
-        pose, link = np.eye(4), "tcp"
-        joints = {one.find("child").get("link"): one for one in self.found.urdf.findall("joint")}  # type: ignore[union-attr]
-        while link != self.found.flange:
-            pose = origin_of(joints[link]) @ pose
-            link = str(joints[link].find("parent").get("link"))  # type: ignore[union-attr]
-        return pose
-
-    def _forward(self, steps, tool, q) -> tuple[Array, list[Array], list[Array]]:  # type: ignore[no-untyped-def]
-        """Returns the pose of the tool, and where the joints are and about what they turn, in the robot's frame."""
-        pose, places, axes = self._mount, [], []
-        for (fixed, joint), angle in zip(steps, q, strict=True):
-            pose = pose @ fixed @ joint.transform(float(angle))
-            places.append(pose[:3, 3])
-            axes.append(pose[:3, :3] @ joint.axis)
-        return pose @ tool, places, axes
-
-
-def _joint_step(path: Sequence[Joint], name: str) -> tuple[Array, Joint]:
-    """Returns a joint with the pose of its parent link in the child link of the arm's joint before it."""
-    fixed = np.eye(4)
-    for joint in path:
-        if joint.name == name:
-            return fixed, joint
-        moves = joint.type in ("revolute", "continuous", "prismatic")
-        fixed = np.eye(4) if moves else fixed @ joint.origin
-    raise UsageError(f"joint {name} is not on the way to the end of the arm")
+    def _without_visuals(self, folder: Path) -> ET.Element:
+        urdf = copy.deepcopy(self.found.urdf)
+        for link in urdf.findall("link"):
+            for visual in link.findall("visual"):
+                link.remove(visual)
+        for mesh in urdf.iter("mesh"):
+            name = mesh.get("filename", "")
+            (folder / name).write_text(self.found.texts[name], encoding="utf-8")
+            mesh.set("filename", str(folder / name))
+        return urdf
 
 
 def _hand_axes(first: Array, second: Array) -> tuple[Array, Array]:
