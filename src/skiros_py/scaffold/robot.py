@@ -114,12 +114,10 @@ def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
     name = module_name(said.called or snake_case(model.xml.get("name") or file.stem), "--name")
     if any(entry.name == name for entry in installation().of(GROUP)):
         raise UsageError(f"there is a robot '{name}' already; choose another by --name")
-    srdf = find_srdf(file, said.srdf)
-    groups = read_srdf(srdf, model)[0] if srdf else {}
+    groups, notes = _groups(file, said.srdf, model)
     arm = model.arm(said.arm, groups)
     made = Composer(model, arm, model.gripper(arm[-1].child, said.gripper), name).compose()
-    if srdf:
-        made.notes.append(f"{srdf.name} was read; which links may touch is found anew, from the shapes")
+    made = replace(made, notes=(*made.notes, *notes))
     project, skeleton = _project(folder, name, said)
     package, scene = project.package, f"{name}_cell"
     if scene in scene_names():
@@ -157,14 +155,17 @@ def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
     return draft
 
 
-def find_srdf(urdf: Path, said: str) -> Path | None:
-    """Returns the SRDF of a robot: the one that was said, or one of the same name beside its URDF."""
+def _groups(urdf: Path, said: str, model: RobotDescription) -> tuple[dict[str, tuple[str, str]], list[str]]:
+    """Returns the chains of a robot's SRDF, the one that was said or one beside its URDF, and notes about it."""
     if said:
-        if not Path(said).is_file():
-            raise FileError(Path(said), "there is no such file")
-        return Path(said)
-    places = (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf")
-    return next((place for place in places if place.is_file()), None)
+        return read_srdf(Path(said), model), []
+    for srdf in (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf"):
+        if srdf.is_file():
+            try:
+                return read_srdf(srdf, model), [f"{srdf.name} was read; which links may touch is found from the shapes"]
+            except FileError as error:
+                return {}, [f"not used: {error}"]
+    return {}, []
 
 
 def _project(folder: Path, name: str, said: NewRobot) -> tuple[Project, dict[str, str]]:

@@ -381,11 +381,11 @@ def find_mesh(urdf: Path, name: str) -> Path | None:
     return None
 
 
-def read_srdf(file: Path, robot: RobotDescription) -> tuple[dict[str, tuple[str, str]], dict[str, str]]:
+def read_srdf(file: Path, robot: RobotDescription) -> dict[str, tuple[str, str]]:
     """Reads a semantic description.
 
     Returns:
-        First and last link of each group that is a chain, by name; and the group of each end effector.
+        First and last link of each group that is a chain, by name.
 
     Raises:
         FileError: It cannot be read, or is that of another robot.
@@ -400,7 +400,8 @@ def read_srdf(file: Path, robot: RobotDescription) -> tuple[dict[str, tuple[str,
     }
     pairs = {str(pair.get(end)) for pair in xml.iter("disable_collisions") for end in ("link1", "link2")}
     unknown = sorted((named | chains | pairs) - set(robot.links))
-    joints = {str(joint.get("name")) for joint in xml.iterfind("group/joint")} - set(robot.joints)
+    virtual = {str(joint.get("name")) for joint in xml.iter("virtual_joint")}
+    joints = {str(joint.get("name")) for joint in xml.iterfind("group/joint")} - set(robot.joints) - virtual
     if unknown or joints:
         lacks = ", ".join([*unknown, *sorted(joints)][:5])
         other = f"; it is of '{xml.get('name')}'" if xml.get("name") != robot.xml.get("name") else ""
@@ -410,7 +411,7 @@ def read_srdf(file: Path, robot: RobotDescription) -> tuple[dict[str, tuple[str,
         chain = group.find("chain")
         if chain is not None:
             groups[str(group.get("name"))] = (str(chain.get("base_link")), str(chain.get("tip_link")))
-    return groups, {str(end.get("name")): str(end.get("group")) for end in xml.iter("end_effector")}
+    return groups
 
 
 def _joint(file: Path, name: str, element: ET.Element) -> Joint:

@@ -188,7 +188,7 @@ def test_the_srdf_of_another_robot_is_refused(tmp_path: Path) -> None:
     file.write_text(
         '<robot name="toy"><group name="arm"><chain base_link="l0" tip_link="l7"/></group></robot>', "utf-8"
     )
-    assert read_srdf(file, robot)[0] == {"arm": ("l0", "l7")}
+    assert read_srdf(file, robot) == {"arm": ("l0", "l7")}
 
     file.write_text('<robot name="other"><disable_collisions link1="base" link2="l1"/></robot>', encoding="utf-8")
     with pytest.raises(FileError, match=r"the SRDF of another robot: toy.urdf has no base; it is of 'other'"):
