@@ -31,6 +31,8 @@ from skiros_py.scaffold.urdf_elements import (
     set_inertia,
 )
 
+_RESERVED = ("map", "world", BASE_LINK, TOOL, CAMERA)
+"""Names of links that mean something else here, or to an engine: MuJoCo takes "world" for its own."""
 _DENSITY = 800.0
 """Assumed of links that state no mass [kg/m³]."""
 _SPEED, _MOST_SPEED = 1.0, 100.0
@@ -118,7 +120,7 @@ class Composer:
         return self._measured(shapes, hand)
 
     def _called(self, link: str) -> str:
-        return f"{self._name}_{link}" if link in ("map", BASE_LINK, TOOL, CAMERA) else link
+        return f"{self._name}_{link}" if link in _RESERVED else link
 
     # ------------------------------------------------------------------ links
 

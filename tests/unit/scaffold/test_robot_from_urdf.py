@@ -176,6 +176,18 @@ def test_missing_meshes_are_named_and_a_model_without_any_is_refused(tmp_path: P
         composed(model(tmp_path, arm().replace('<box size="0.08 0.08 0.1"/>', gone)), "parallel")
 
 
+def test_links_whose_names_engines_reserve_are_renamed(tmp_path: Path) -> None:
+    body = (arm() + fingers() + link("world") + joint("stand", "fixed", "world", "base_link", "0 0 0.1")).replace(
+        '"l0"', '"base_link"'
+    )
+
+    names = [one.get("name") for one in composed(model(tmp_path, body)).urdf.findall("link")]
+
+    assert {"toy_world", "toy_base_link", "base_link"} <= set(names)
+    assert "world" not in names
+    assert len(names) == len(set(names))
+
+
 def test_a_gripper_that_is_none_is_refused(tmp_path: Path) -> None:
     robot = model(tmp_path, arm() + fingers())
 
