@@ -26,6 +26,9 @@ _FEWEST = 4
 _LEVEL = 0.006
 """Difference in reach between two fingers of one gripper [m]."""
 _PAIR = 2
+_TRIPLES = {"xyz", "rpy", "size", "scale"}
+_NUMBERS = _TRIPLES | set("radius length value ixx ixy ixz iyy iyz izz lower upper velocity effort".split())
+_NUMBERS |= {"multiplier", "offset"}
 _OPTIONAL = re.compile(r"\$\(optenv \w+ ?([^()]*)\)")
 
 
@@ -122,11 +125,12 @@ class RobotDescription:
         if self.xml.tag != "robot":
             raise FileError(file, f"no URDF: its first element is <{self.xml.tag}>, not <robot>")
         self.links = self._named("link")
-        try:
-            self.joints = {name: _joint(file, name, element) for name, element in self._named("joint").items()}
-        except ValueError as error:
-            hint = "; a xacro file is to be expanded first" if "${" in text or "$(" in text else ""
-            raise FileError(file, f"a joint has what is no number: {error}{hint}") from error
+        for tag, elements in (("link", self.links), ("joint", self._named("joint"))):
+            for name, element in elements.items():
+                if (wrong := _no_numbers(element)) is not None:
+                    hint = "; a xacro file is to be expanded first" if "${" in text or "$(" in text else ""
+                    raise FileError(file, f"{tag} {name} has what is no number: {wrong}{hint}")
+        self.joints = {name: _joint(file, name, element) for name, element in self._named("joint").items()}
         self.root = self._root()
         self.below: dict[str, list[Joint]] = defaultdict(list)
         self.above: dict[str, Joint] = {}
@@ -412,6 +416,20 @@ def read_srdf(file: Path, robot: RobotDescription) -> dict[str, tuple[str, str]]
         if chain is not None:
             groups[str(group.get("name"))] = (str(chain.get("base_link")), str(chain.get("tip_link")))
     return groups
+
+
+def _no_numbers(element: ET.Element) -> str | None:
+    """Returns the first attribute below an element that has to hold numbers and does not; None if all do."""
+    for one in element.iter():
+        for key in _NUMBERS.intersection(one.keys()):
+            text, count = one.get(key, ""), 3 if key in _TRIPLES else 1
+            try:
+                good = len(text.split()) == count and all(map(math.isfinite, map(float, text.split())))
+            except ValueError:
+                good = False
+            if not good:
+                return f'{key}="{text}"'
+    return None
 
 
 def _joint(file: Path, name: str, element: ET.Element) -> Joint:

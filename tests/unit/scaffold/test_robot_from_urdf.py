@@ -228,3 +228,62 @@ def test_own_meshes_are_copied_and_heavy_ones_simplified(tmp_path: Path) -> None
     assert 20 < sum(line.startswith("v ") for line in hull) <= 60
     urdf = ET.parse(at / "toy.urdf").getroot()
     assert {mesh.get("filename") for mesh in urdf.iter("mesh")} == {"ball.obj", "ball_hull.obj"}
+
+
+def test_a_file_that_is_not_there_or_no_urdf_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"there is no file gone.urdf"):
+        draft_from_urdf(tmp_path, NewRobot("gone.urdf"))
+    with pytest.raises(UsageError, match="no package 'no_such_package' is installed"):
+        draft_from_urdf(tmp_path, NewRobot("no_such_package:arm.urdf"))
+
+    for text, why in (("{}", "no XML"), ("<sdf/>", "no URDF: its first element is <sdf>, not <robot>")):
+        file = tmp_path / "bad.urdf"
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(FileError, match=why):
+            draft_from_urdf(tmp_path, NewRobot(str(file)))
+
+
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ("l0 hand", "there is no link hand; the links are l0, l1"),
+        ("l7", "it takes two links"),
+        ("left l7", "left does not carry l7"),
+        ("l0 l0", "no joint moves between them"),
+    ],
+)
+def test_an_arm_that_is_none_is_refused(said: str, why: str, tmp_path: Path) -> None:
+    robot = model(tmp_path, arm() + fingers())
+
+    with pytest.raises(UsageError, match=why):
+        robot.arm(said, {})
+
+
+def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    model(tmp_path, arm() + fingers())
+    (tmp_path / "toy").mkdir()
+
+    with pytest.raises(UsageError, match="toy is there already, and nothing is overwritten"):
+        draft_from_urdf(tmp_path, NewRobot(str(tmp_path / "toy.urdf")))
+
+    assert list((tmp_path / "toy").iterdir()) == []
+
+
+@pytest.mark.parametrize(("there", "broken"), [('mass value="2"', 'mass value="two"'), ('size="0.08 ', 'size="wide ')])
+def test_what_is_no_number_is_named_with_its_link(there: str, broken: str, tmp_path: Path) -> None:
+    third = link("l3", 0.01 + 3 / 1000.0)
+
+    with pytest.raises(FileError, match="link l3 has what is no number"):
+        model(tmp_path, arm().replace(third, third.replace(there, broken)))
+
+
+def test_an_srdf_beside_the_model_that_does_not_fit_is_left_out_and_named(tmp_path: Path) -> None:
+    model(tmp_path, arm() + fingers())
+    (tmp_path / "toy.srdf").write_text('<robot name="toy"><group name="a"><link name="gone"/></group></robot>', "utf-8")
+    (tmp_path / "work").mkdir()
+
+    draft = draft_from_urdf(tmp_path / "work", NewRobot(str(tmp_path / "toy.urdf")))
+
+    assert any(note.startswith("not used") and "toy.urdf has no gone" in note for note in draft.notes)
+    with pytest.raises(FileError, match="the SRDF of another robot"):
+        draft_from_urdf(tmp_path / "work", NewRobot(str(tmp_path / "toy.urdf"), srdf=str(tmp_path / "toy.srdf")))
