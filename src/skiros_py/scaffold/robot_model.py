@@ -27,8 +27,8 @@ _LEVEL = 0.006
 """Difference in reach between two fingers of one gripper [m]."""
 _PAIR = 2
 _TRIPLES = {"xyz", "rpy", "size", "scale"}
-_NUMBERS = _TRIPLES | set("radius length value ixx ixy ixz iyy iyz izz lower upper velocity effort".split())
-_NUMBERS |= {"multiplier", "offset"}
+_SINGLES = {"radius", "length", "value", "lower", "upper", "velocity", "effort", "multiplier", "offset"}
+_NUMBERS = _TRIPLES | _SINGLES | {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}
 _OPTIONAL = re.compile(r"\$\(optenv \w+ ?([^()]*)\)")
 
 
