@@ -8,7 +8,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 
@@ -131,6 +131,14 @@ class RobotDescription:
                     hint = "; a xacro file is to be expanded first" if "${" in text or "$(" in text else ""
                     raise FileError(file, f"{tag} {name} has what is no number: {wrong}{hint}")
         self.joints = {name: _joint(file, name, element) for name, element in self._named("joint").items()}
+        same = sorted(set(self.links) & set(self.joints))
+        if same:  # libraries look both up by name
+            for name in same:
+                self.joints[f"{name}_joint"] = replace(self.joints.pop(name), name=f"{name}_joint")
+            renamed = {name: f"{name}_joint" for name in same}
+            for name, joint in self.joints.items():
+                if joint.mimic is not None and joint.mimic[0] in renamed:
+                    self.joints[name] = replace(joint, mimic=(renamed[joint.mimic[0]], *joint.mimic[1:]))
         self.root = self._root()
         self.below: dict[str, list[Joint]] = defaultdict(list)
         self.above: dict[str, Joint] = {}

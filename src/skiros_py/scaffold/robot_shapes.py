@@ -17,7 +17,7 @@ from skiros_py.ports.robot_files import installed_name
 from skiros_py.scaffold.robot_model import RobotDescription, find_mesh, origin_of
 from skiros_py.scaffold.urdf_elements import add_shape, numbers
 
-_TIGHT = 1.2
+_TIGHT = 1.05
 """A box or cylinder replaces a mesh if its volume is at most so many times that of the hull."""
 _CORNERS = 60
 """Greatest number of corners of a hull."""

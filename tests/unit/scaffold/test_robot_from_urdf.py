@@ -287,3 +287,9 @@ def test_an_srdf_beside_the_model_that_does_not_fit_is_left_out_and_named(tmp_pa
     assert any(note.startswith("not used") and "toy.urdf has no gone" in note for note in draft.notes)
     with pytest.raises(FileError, match="the SRDF of another robot"):
         draft_from_urdf(tmp_path / "work", NewRobot(str(tmp_path / "toy.urdf"), srdf=str(tmp_path / "toy.srdf")))
+
+
+def test_a_joint_with_the_name_of_a_link_gets_one_of_its_own(tmp_path: Path) -> None:
+    robot = model(tmp_path, arm().replace('name="j3"', 'name="l3"'))
+
+    assert [one.name for one in robot.arm("", {})] == ["j1", "j2", "l3_joint", "j4", "j5", "j6", "j7"]

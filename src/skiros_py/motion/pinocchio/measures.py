@@ -23,7 +23,7 @@ _AMPLE = 0.5
 def reach_above(arm: ArmModel, height: float) -> float:
     """Returns how far in front of the shoulder the tip, pointing down, gets at a height [m]."""
     distances = np.linspace(0.3, 1.0, 29) * arm.reach
-    return float(max((one for one in distances if _postures(arm, one, height, count=1, restarts=8)), default=0.0))
+    return float(max((one for one in distances if _postures(arm, one, height, count=1, restarts=16)), default=0.0))
 
 
 def find_home(arm: ArmModel, ahead: float, height: float) -> Array | None:
@@ -61,7 +61,7 @@ def _postures(arm: ArmModel, ahead: float, height: float, *, count: int, restart
         found += solver.branches(down, middle, (middle - half, middle + half), rng, count=count, restarts=restarts)
         if len(found) >= count:
             break
-    return [q for q in found if (np.abs(q - middle) <= half + 1e-9).all()]
+    return found
 
 
 def load_of(arm: ArmModel) -> tuple[float, Array]:
