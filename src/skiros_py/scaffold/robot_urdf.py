@@ -43,6 +43,7 @@ _EFFORT_MARGIN, _EFFORT_LEAST, _PAYLOAD = 3.0, 5.0, 2.0
 """Assumed of joints that state no effort: so many times what holds the arm and a load [kg], and that on top [N m]."""
 _ALIKE, _FEW = 0.8, 3
 """Inertias that more than a share of the links have in common were never measured, where more than a few state one."""
+_FREE = 6
 _TABLE, _SHOULDER = 0.5, 0.28
 """Height of tables, and of the shoulder above them [m]."""
 _ABOVE, _HOME_ABOVE = 0.06, 0.3
@@ -232,8 +233,8 @@ class Composer:
 
     def _measured(self, shapes: Shapes, hand: Hand) -> Composed:
         """Returns the robot with load, efforts, reach and home, as they follow from the arm that is written."""
+        from skiros_py.motion.pinocchio import measures
         from skiros_py.motion.pinocchio.arm_model import ArmModel
-        from skiros_py.motion.pinocchio.measures import find_home, holding_efforts, load_of, reach_above
 
         joints = tuple(joint.name for joint in self._arm)
         gripper = GripperSpec("gripper", hand.joints, "arm", hand.max_gap, hand.max_force)
@@ -241,16 +242,18 @@ class Composer:
             file = self._write_without_visuals(Path(folder), shapes.texts)
             arm = ArmModel(file, ArmSpec("arm", joints, TOOL, (0.0,) * len(joints)), [gripper])
         if self._effortless:
-            efforts = _EFFORT_MARGIN * holding_efforts(arm, _PAYLOAD) + _EFFORT_LEAST
+            efforts = _EFFORT_MARGIN * measures.holding_efforts(arm, _PAYLOAD) + _EFFORT_LEAST
             for name, limit in self._effortless.items():
                 limit.set("effort", f"{efforts[joints.index(name)]:.4g}")
             names = ", ".join(self._effortless)
             self._notes.append(f"no greatest effort, assumed what holds the arm and {_PAYLOAD:.0f} kg, amply: {names}")
-        reach = reach_above(arm, _TABLE + _ABOVE)
-        home = find_home(arm, _HOME_SHARE * reach, _TABLE + _HOME_ABOVE)
+        if (free := measures.degrees_of_freedom(arm)) < _FREE:
+            self._notes.append(f"the hand moves and turns in {free} directions of {_FREE}: it reaches few grasps")
+        reach = measures.reach_above(arm, _TABLE + _ABOVE)
+        home = measures.find_home(arm, _HOME_SHARE * reach, _TABLE + _HOME_ABOVE)
         if not reach or home is None:
             raise UsageError("no posture with the hand down in front of the robot was found: choose the arm by --arm")
-        mass, centre = load_of(arm)
+        mass, centre = measures.load_of(arm)
         ET.indent(self._urdf)
         return Composed(
             self._urdf,

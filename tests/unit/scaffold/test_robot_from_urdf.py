@@ -293,3 +293,12 @@ def test_a_joint_with_the_name_of_a_link_gets_one_of_its_own(tmp_path: Path) -> 
     robot = model(tmp_path, arm().replace('name="j3"', 'name="l3"'))
 
     assert [one.name for one in robot.arm("", {})] == ["j1", "j2", "l3_joint", "j4", "j5", "j6", "j7"]
+
+
+def test_an_arm_that_cannot_turn_its_hand_freely_is_named(tmp_path: Path) -> None:
+    assert not any("directions of 6" in note for note in composed(model(tmp_path, arm() + fingers())).notes)
+
+    less = (arm() + fingers()).replace('name="j3" type="revolute"', 'name="j3" type="fixed"')
+    less = less.replace('name="j5" type="revolute"', 'name="j5" type="fixed"')
+    notes = composed(model(tmp_path, less)).notes
+    assert "the hand moves and turns in 5 directions of 6: it reaches few grasps" in notes

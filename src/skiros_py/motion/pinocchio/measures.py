@@ -64,6 +64,13 @@ def _postures(arm: ArmModel, ahead: float, height: float, *, count: int, restart
     return found
 
 
+def degrees_of_freedom(arm: ArmModel) -> int:
+    """Returns in how many directions the tip moves and turns where the arm is most agile: 6 for one that is free."""
+    rng = np.random.default_rng(0)
+    postures = rng.uniform(arm.lower, arm.upper, (20, arm.model.nq))
+    return max(int(np.linalg.matrix_rank(arm.tip_jacobian(q)[1], tol=1e-3)) for q in postures)
+
+
 def load_of(arm: ArmModel) -> tuple[float, Array]:
     """Returns the mass behind the last joint [kg] and its centre in the frame of that joint [m]."""
     inertia = arm.model.inertias[arm.model.njoints - 1]
