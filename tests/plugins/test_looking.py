@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import deque
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,7 +16,7 @@ from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, lo
 from skiros_primitives.part_models import downward
 from skiros_primitives.views import repainted
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.motion import Held, MotionPlan, NoMotion
+from skiros_py.ports.motion import Held, MotionPlan, NoMotion, Obstacle
 from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import Execution, Outcome, Success
@@ -91,6 +93,39 @@ def test_a_camera_that_is_where_it_should_be_need_not_move() -> None:
     assert Looking(there).from_where([0, 2, 3]) is None
     assert Looking(Pose((0.03, 0.0, 0.0)) @ there).from_where([1]) is None
     assert Looking(there @ Pose.of(0.0, 0.0, 0.0, roll=math.radians(5.0))).from_where([1]) is None
+
+
+class Stuck(Looking):
+    """One whose arm finds no way; it notes which spaces it was to keep out of."""
+
+    base_pose = Pose()
+
+    def carries(self, camera: str) -> bool:
+        return True
+
+    def plan(self, routes: Any, *, unseen: Sequence[Obstacle] = (), **_others: Any) -> Execution[NoMotion]:  # type: ignore[override]
+        self.avoided.append(tuple(unseen))
+        yield
+        return NoMotion("no way")
+
+    def look(self) -> list[tuple[Obstacle, ...]]:
+        self.avoided: list[tuple[Obstacle, ...]] = []
+        deque(self.look_down(POINT), maxlen=0)
+        return self.avoided
+
+
+def test_the_arm_goes_where_unseen_parts_may_be_only_where_there_is_no_other_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    space = Obstacle("pallet_a", Solid.box(0.4, 0.4, 0.1), Pose())
+    monkeypatch.setattr("skiros_primitives.looking.obstacles", lambda *_, **__: ())
+    monkeypatch.setattr("skiros_primitives.looking.unlocated", lambda *_: iter([space]))
+    unseen = Stuck().look()
+    monkeypatch.setattr("skiros_primitives.looking.unlocated", lambda *_: iter([]))
+    seen = Stuck().look()
+
+    assert set(seen) == {()}
+    assert unseen == [(space,)] * len(seen) + seen
 
 
 PLACE = Pose.of(1.0, 0.5, 0.8, yaw=0.7)
@@ -172,7 +207,10 @@ def looked(looking: Shy) -> Any:
     return run(looking.look_down(POINT))
 
 
-def test_where_the_arm_cannot_hold_the_camera_straight_above_it_looks_from_the_side() -> None:
+def test_where_the_arm_cannot_hold_the_camera_straight_above_it_looks_from_the_side(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("skiros_primitives.looking.obstacles", lambda *_, **__: ())
     looking = Shy()
 
     assert looked(looking) == "a picture"
@@ -182,7 +220,10 @@ def test_where_the_arm_cannot_hold_the_camera_straight_above_it_looks_from_the_s
     assert last[1] == (1.0,)
 
 
-def test_where_no_view_is_within_reach_it_says_so_and_asks_for_each_distance_once() -> None:
+def test_where_no_view_is_within_reach_it_says_so_and_asks_for_each_distance_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("skiros_primitives.looking.obstacles", lambda *_, **__: ())
     looking = Shy()
     looking.tilted = False
 

@@ -9,13 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.camera_check import compare, is_due, is_turned
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
-from skiros_primitives.views import repainted
+from skiros_primitives.views import repainted, unlocated
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
@@ -39,7 +39,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.pictures import Sighting
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
@@ -184,13 +184,15 @@ class LookingPrimitive(ArmPrimitive):
             return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
-        for numbers, distances in _BY_TILT:
-            beyond: set[tuple[float, int]] = set()  # what is out of reach stays so, however near to things it may be
+        unseen = tuple(unlocated(self.context, obstacles(self.context, parts=False)))
+        beyond: set[tuple[float, int]] = set()  # what is out of reach stays so, however near to things it may be
+        for space, (numbers, distances) in product((unseen, ()) if unseen else ((),), _BY_TILT):
             choices = product(SHARES, distances, self._sides(numbers, point, base, shown))
-            for share, distance, views in choices:  # rather lower than nearer to things
+            for share, distance, views in choices:  # rather lower than nearer to things, or where some may be
                 if (distance, views[0]) in beyond:
                     continue
-                stuck = yield from self._take_view(views, point, distance, base, aside=aside, share=share)
+                options = {"shares": (share,), "unseen": space}
+                stuck = yield from self._take_view(views, point, distance, base, aside=aside, **options)
                 if stuck is None:
                     return (yield from self.capture())
                 beyond |= {(distance, views[0])} if refused(stuck).is_out_of_reach else set()
@@ -201,12 +203,12 @@ class LookingPrimitive(ArmPrimitive):
         return replace(refusal, reason=reason)
 
     def _take_view(
-        self, views: Sequence[int], point: Vector, distance: float, base: Pose, *, aside: float, share: float
+        self, views: Sequence[int], point: Vector, distance: float, base: Pose, *, aside: float, **options: Any
     ) -> Execution[NoMotion | None]:
         """Moves the camera to one of some views, unless it looks from there already; returns why it does not."""
         at = None if aside else self._looks_from(point, distance, base, views)
         if at is None:
-            planned = yield from self.plan(self._routes(point, distance, base, views, aside=aside), shares=(share,))
+            planned = yield from self.plan(self._routes(point, distance, base, views, aside=aside), **options)
             stuck = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
             if stuck is not None or isinstance(planned, NoMotion):
                 return stuck
