@@ -1,0 +1,98 @@
+"""A rehearsal says what would fail in physics, and finds another plan; nothing of it is left behind."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from skiros_py.config import find_scene
+from skiros_py.errors import DeviceError
+from skiros_py.station.rehearsals.order import RehearsalOrder, order_from
+from skiros_py.station.rehearsals.rehearsal import RunningRehearsal, rehearsed
+from skiros_py.station.session import Options, Session
+from skiros_py.station.worlds import open_world
+from skiros_py.tasks.rehearsal import StepState
+
+pytestmark = pytest.mark.physics
+
+BEAM = """
+scene:beam_1 a kitting:Rack ;
+    rdfs:label "beam" ;
+    sk:on scene:floor ;
+    sk:pose "0.727 -0.073 0.72 0 0 0"^^sk:poseLiteral ;
+    sk:solid '[{"kind": "box", "size": [0.13, 0.13, 0.16], "at": [0, 0, 0]}]'^^rdf:JSON .
+"""
+"""A block from 14 cm above the kit, over its compartment B: no hand gets in there."""
+PREFIX = "@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .\n"
+
+
+@pytest.fixture
+def trapped(tmp_path: Path) -> Path:
+    file = tmp_path / "trapped.ttl"
+    file.write_text(PREFIX + find_scene("kitting_cell").read_text() + BEAM)
+    return file
+
+
+def order(scene: str, *goal: str, rounds: int = 3) -> RehearsalOrder:
+    return order_from(open_world(scene), Options(seed=3), goal, rounds=rounds)
+
+
+def test_a_plan_that_works_is_said_to_work_with_its_time() -> None:
+    result = rehearsed(order("kitting_cell", "ObjectAtLocation(Alternator, kit_1_b)"))
+
+    assert result.passed
+    assert not result.first_fails
+    assert len(result.rounds) == 1
+    (play,) = result.rounds[0].plays
+    assert [(step.skill, step.state) for step in play.steps] == [("pick", StepState.DONE), ("place", StepState.DONE)]
+    assert result.seconds == pytest.approx(play.seconds)
+
+
+def test_what_geometry_forbids_is_said_with_its_reason_and_avoided_by_the_next_plan(
+    trapped: Path, open_session: Callable[..., Session]
+) -> None:
+    only = rehearsed(order(str(trapped), "ObjectAtLocation(Alternator, kit_1_b)"))
+
+    assert not only.passed
+    failed = only.rounds[0].plays[0].steps[-1]
+    assert (failed.skill, failed.state) == ("place", StepState.FAILED)
+    assert failed.cause in ("collision", "not found", "reach")
+    assert [one.target for one in only.ruled_out] == ["kit_1_b"]
+    assert only.rounds[-1].no_plan
+    assert "kit_1_b" in only.reason
+
+    session = open_session(str(trapped), seed=3)
+    report = session.run(["InKit(Alternator, kit_1)"], ruled_out=only.ruled_out)
+
+    assert report.reached
+    assert not [step for step in report.steps if step.arguments.get("Compartment") == "kit_1_b"]
+
+
+def test_a_cancelled_rehearsal_leaves_no_process_behind() -> None:
+    running = RunningRehearsal(order("kitting_cell"))
+    mark = vars(running)["_mark"]
+    deadline = time.monotonic() + 60.0
+    while not marked(mark) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert marked(mark), "it has started programs"
+
+    running.close()
+
+    with pytest.raises(DeviceError, match="stopped"):
+        running.result()
+    assert marked(mark) == []
+    assert not Path(f"/proc/{running.pid}").exists()
+
+
+def marked(mark: str) -> list[int]:
+    """Returns the processes that were started in a rehearsal."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):
+            if f"={mark}".encode() in file.read_bytes():
+                found.append(int(file.parent.name))
+    return found
