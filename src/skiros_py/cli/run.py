@@ -204,9 +204,7 @@ def _seconds(value: float | None) -> str:
 @ASK
 @click.option("--rehearse", is_flag=True, help="Try the plan in a second physics world first; stop if it fails there.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(
-    scene: str, record: Path | None, ask: bool | None, rehearse: bool, as_json: bool, **options: Any
-) -> int:
+def command(scene: str, record: Path | None, ask: bool | None, rehearse: bool, as_json: bool, **options: Any) -> int:
     """Plans and executes the goal of SCENE (a name, or a path to a .ttl file)."""
     from skiros_py.recording.pictures import check_pictures
     from skiros_py.system import check_display

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import pytest
 
 from skiros_py.planning.requests import RuledOut
 from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.rehearsal import Cancellable, Play, Rehearsal, RehearsedStep, Round, StepState
 from skiros_py.tasks.report import Outcome
@@ -53,67 +54,64 @@ class Done:
 PASSED = rehearsal(Round((play(reached=True),)))
 
 
-def begin(bench: Bench, answer: Cancellable[Rehearsal], monkeypatch: pytest.MonkeyPatch) -> Callable[[], object]:
+def begin(bench: Bench, answer: Cancellable[Rehearsal]) -> tuple[TaskHandle, list[Sequence[Condition]]]:
+    """Begins a task that is to be rehearsed; returns it, and the goals that are asked for."""
     asked: list[Sequence[Condition]] = []
 
     def rehearse(goal: Sequence[Condition]) -> Cancellable[Rehearsal]:
         asked.append(goal)
         return answer
 
-    context = vars(bench.tasks)["_context"]
-    object.__setattr__(context, "rehearser", rehearse)
-    task = bench.tasks.begin(bench.goal(GOAL), policy=Policy(rehearse=True))
-    return lambda: (task, asked)
+    object.__setattr__(vars(bench.tasks)["_context"], "rehearser", rehearse)
+    return bench.tasks.begin(bench.goal(GOAL), policy=Policy(rehearse=True)), asked
 
 
 @pytest.mark.parametrize("ruled_out", [(), (FIRST,)])
-def test_what_a_rehearsal_ruled_out_is_not_planned(
-    ruled_out: Sequence[RuledOut], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_rehearsal_ruled_out_is_not_planned(ruled_out: Sequence[RuledOut]) -> None:
     passed = rehearsal(Round((play(reached=True),)), ruled_out=ruled_out)
     with Bench(tiny_world(), SKILLS) as bench:
-        task, asked = begin(bench, Done(passed), monkeypatch)()
+        task, asked = begin(bench, Done(passed))
         bench.until(lambda: task.done)
 
     assert [len(goal) for goal in asked] == [1]
-    assert task.report.reached is not bool(ruled_out)
-    assert FIRST.reason in "".join(task.report.no_plan) or not ruled_out
+    assert task.result.reached is not bool(ruled_out)
+    assert FIRST.reason in "".join(task.result.no_plan) or not ruled_out
 
 
-def test_a_goal_that_would_fail_is_not_begun_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_goal_that_would_fail_is_not_begun_and_says_why() -> None:
     with Bench(tiny_world(), SKILLS) as bench:
-        task, _ = begin(bench, Done(rehearsal(Round((play(reached=False),)))), monkeypatch)()
+        task, _ = begin(bench, Done(rehearsal(Round((play(reached=False),)))))
         bench.until(lambda: task.done)
 
-    assert task.report.outcome is Outcome.NO_PLAN
-    assert task.report.steps == ()
-    assert task.report.no_plan == ("would fail: it slips (in 1 of 1 draws)",)
-    assert [e.text for e in task.trace.entries if e.what is TraceEventKind.REHEARSED] == list(task.report.no_plan)
+    assert task.result.outcome is Outcome.NO_PLAN
+    assert task.result.steps == ()
+    assert task.result.no_plan == ("would fail: it slips (in 1 of 1 draws)",)
+    assert [e.text for e in task.trace.entries if e.what is TraceEventKind.REHEARSED] == list(task.result.no_plan)
 
 
-def test_a_stopped_task_cancels_its_rehearsal(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stopped_task_cancels_its_rehearsal() -> None:
     answer = Done(PASSED, is_done=False)
     with Bench(tiny_world(), SKILLS) as bench:
         context = vars(bench.tasks)["_context"]
         object.__setattr__(context, "lockstep", False)
-        task, _ = begin(bench, answer, monkeypatch)()
+        task, _ = begin(bench, answer)
         bench.until(lambda: any(e.what is TraceEventKind.REHEARSES for e in task.trace.entries))
         task.stop("no longer wanted")
         bench.until(lambda: task.done)
 
     assert answer.cancelled
-    assert task.report.outcome is Outcome.STOPPED
+    assert task.result.outcome is Outcome.STOPPED
 
 
-def test_a_goal_that_holds_is_not_rehearsed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_goal_that_holds_is_not_rehearsed() -> None:
     with Bench(tiny_world(), SKILLS) as bench:
-        task, asked = begin(bench, Done(PASSED), monkeypatch)()
+        task, asked = begin(bench, Done(PASSED))
         bench.until(lambda: task.done)
-        again, asked_again = begin(bench, Done(PASSED), monkeypatch)()
+        again, asked_again = begin(bench, Done(PASSED))
         bench.until(lambda: again.done)
 
     assert (len(asked), len(asked_again)) == (1, 0)
-    assert again.report.outcome is Outcome.HELD_ALREADY
+    assert again.result.outcome is Outcome.HELD_ALREADY
 
 
 @pytest.mark.parametrize(

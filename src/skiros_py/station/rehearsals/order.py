@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from skiros_py.station.session import Options, Session
 
 
+MARK = "SKIROS_REHEARSAL"
+"""Environment variable that marks the programs started by a rehearsal."""
+
+
 @dataclass(frozen=True, slots=True)
 class RehearsalOrder:
     """A rehearsal to be played; plain data.

@@ -24,7 +24,7 @@ from skiros_py.planning.service import Planned
 from skiros_py.processes import packed, receive, send
 from skiros_py.skills.outcome import CANCELLED, OBSTRUCTED, Failure, Outcome
 from skiros_py.station.recordings.topics import camera_of
-from skiros_py.station.rehearsals.order import RehearsalOrder
+from skiros_py.station.rehearsals.order import MARK, RehearsalOrder
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.record import would_fail_again
@@ -34,8 +34,6 @@ from skiros_py.tasks.trace import StepRun, describe_step, short_step
 from skiros_py.world.change import Writer
 from skiros_py.world.scene.learned import import_learned
 
-MARK = "SKIROS_REHEARSAL"
-"""Environment variable that marks the programs started by a rehearsal."""
 _STREAM = 7
 """What a rehearsal draws has nothing to do with what a simulation of the same seed draws: that would be the truth."""
 _GEOMETRY = frozenset({"reach", "collision", "constraint", "singularity", "limits", "not found", "no room"})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import pickle
+import socket
 import threading
 import uuid
 from collections.abc import Callable
@@ -14,11 +15,10 @@ from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.messages import Message
 from skiros_py.processes import end_connected, packed, receive, send, start_python
 from skiros_py.programs import kill_marked
-from skiros_py.station.rehearsals.order import RehearsalOrder
+from skiros_py.station.rehearsals.order import MARK, RehearsalOrder
 from skiros_py.tasks.rehearsal import Rehearsal, RehearsedStep, Round
 
 _PROGRAM = "skiros_py.station.rehearsals.playing:main"
-_MARK = "SKIROS_REHEARSAL"
 _GRACE = 3.0
 """Time in which a cancelled rehearsal may close what it has opened [s]."""
 
@@ -68,7 +68,7 @@ class RunningRehearsal:
         if not self._future.done():
             self._cancelled.set()
             with contextlib.suppress(OSError):
-                self._line.shutdown(2)  # wakes up what waits for it, here and there
+                self._line.shutdown(socket.SHUT_RDWR)  # wakes up what waits for it, here and there
 
     def close(self) -> None:
         """Ends it, and waits until nothing of it is left; may be called twice."""
@@ -98,7 +98,7 @@ class RunningRehearsal:
 
     def _end(self) -> None:
         end_connected(self._process, self._line, _GRACE)
-        kill_marked(_MARK, self._mark)
+        kill_marked(MARK, self._mark)
 
     def _why_none(self) -> str:
         if self._cancelled.is_set():
