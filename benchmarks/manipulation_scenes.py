@@ -183,6 +183,8 @@ class Scene:
         types: Its own classes of parts.
         individuals: What is in it, as Turtle.
         goals: Its goal.
+        robot: The robot that stands in the middle.
+        stands: True where nothing moves the robot.
     """
 
     name: str
@@ -191,6 +193,8 @@ class Scene:
     types: tuple[PartType, ...]
     individuals: tuple[str, ...]
     goals: tuple[str, ...]
+    robot: str = "mobile_panda"
+    stands: bool = False
 
     def write(self, folder: Path) -> Path:
         """Writes the scene, and the ontology of its parts into the folder ``parts``; returns the file of the scene."""
@@ -205,12 +209,13 @@ class Scene:
     @property
     def turtle(self) -> str:
         """The text of the scene file."""
-        imports = ("core", "kitting", "robots/mobile_panda", "benchmarks/parts")
+        imports = ("core", "kitting", f"robots/{self.robot}", "benchmarks/parts")
+        start = f"scene:{'robot_1 sk:at scene:floor ;' if self.stands else 'base_1'} {_pose(Pose())} .\n"
         files = ", ".join(f"<https://w3id.org/skiros-py/{name}>" for name in imports)
         head = f"<https://w3id.org/skiros-py/scenes/{self.name}> a owl:Ontology ; owl:imports {files} .\n"
         goals = ", ".join(f'"{goal}"' for goal in self.goals)
         this = individual("this", "sk:Scene", f'rdfs:label "{self.name}"', f"sk:goal {goals}")
-        return "\n".join([_PREFIXES, head, this, *_HALL, *self.individuals])
+        return "\n".join([_PREFIXES, head, this, *_HALL, start, *self.individuals])
 
 
 def individual(name: str, class_: str, *statements: str) -> str:
@@ -239,7 +244,6 @@ def _solid(blocks: Sequence[Primitive]) -> str:
 _HALL = (
     individual("floor", "sk:Floor", 'sk:size "12.0 12.0"^^sk:vectorLiteral', _pose(Pose())),
     individual("unknown_location", "sk:UnknownLocation", 'rdfs:label "unknown location"'),
-    f"scene:base_1 {_pose(Pose())} .\n",
 )
 
 
@@ -351,6 +355,34 @@ def standing(seed: int) -> Scene:
     wanted = chance.some(distinct, min(4, len(distinct)))
     goals = [f"ObjectAtLocation({type_.label}, kit_1_{c})" for type_, c in zip(wanted, "abcd", strict=False)]
     return Scene(f"standing_{seed}", seed, f"{len(drawn)} parts", types, tuple(text), tuple(goals))
+
+
+def pallet(seed: int, robot: str, *, stands: bool) -> Scene:
+    """Five to seven parts of at least five types on one pallet; four of them are wanted in a kit, the rest is clutter.
+
+    Args:
+        seed: Its seed.
+        robot: The robot.
+        stands: True where nothing moves the robot: pallet and kit are then within its reach.
+    """
+    chance = Chance(seed)
+    types = own_types(chance)
+    drawn = chance.some((*KNOWN, *types), 5)
+    wanted = drawn[:4]
+    drawn += chance.some(drawn[4:] + [one for one in types if one not in drawn], chance.count(0, 2))
+    if stands:
+        first = chance.turn()
+        angles = first, first + chance.sign() * chance.within(math.pi / 2.0, math.pi)
+        spots = [Pose.of(r * math.cos(a), r * math.sin(a), 0.0, yaw=a) for a in angles for r in [0.85]]
+    else:
+        spots = around(chance, 2)
+    wide = 'sk:supportHalfExtents "0.14 0.28"^^sk:vectorLiteral'
+    stored = storage("pallet_1", spots[0], chance.within(0.4, 0.7)).replace(" ;\n", f" ;\n    {wide} ;\n", 1)
+    text = [stored, *kit(spots[1], chance.within(0.4, 0.7), chance.turn())]
+    text += [part(f"part_{n}", type_, "pallet_1") for n, type_ in enumerate(drawn, start=1)]
+    goals = [f"ObjectAtLocation({type_.label}, kit_1_{c})" for type_, c in zip(wanted, "abcd", strict=True)]
+    name = f"pallet_{robot}_{seed}"
+    return Scene(name, seed, f"{len(drawn)} parts", types, tuple(text), tuple(goals), robot, stands)
 
 
 def reach(seed: int) -> Scene:

@@ -1,19 +1,39 @@
-"""Robots: how exactly a camera is found on a hand, from pictures of a printed board."""
+"""Robots: parts from a pallet into a kit for each of them; how exactly a camera is found on a hand.
+
+    uv run --group test python benchmarks/robots.py --robot mobile_iiwa --robot ur10e_cell --picks 100
+
+Each robot takes parts of at least five types from a pallet with clutter, and puts them into a kit; where these stand,
+what the parts are, what they weigh and how slippery the fingers are is drawn from the seed of a scene, and judged by
+the simulator's truth. ``--half`` is for one half of the ranges only. Without ``--robot``, cameras are calibrated: from
+pictures of a printed board.
+"""
 
 from __future__ import annotations
 
 import math
 import sys
-from itertools import islice
+import tempfile
+from argparse import ArgumentParser
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from itertools import count, islice
+from pathlib import Path
 
+import manipulation_scenes as scenes
 import numpy as np
+from manipulation_scenes import Chance, Scene
+from manipulation_stage import Campaign, Stage, Trial, conditions, honest, share
 from table import Figure, finish
 
 from skiros_primitives.board_views import board_views
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array, Pose
 from skiros_py.perception.calibration import SeenCorners, solve
 from skiros_py.ports.calibration import CalibrationResult, MarkerBoard
+from skiros_py.ports.simulation import Surface
 from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.system import default_simulation
 
 _SEEDS = 20
 _VIEWS = 15
@@ -75,13 +95,13 @@ def calibrated(seed: int, count: int = _VIEWS) -> tuple[tuple[float, float], tup
     return off(result, camera), off(before, camera)
 
 
-def main() -> int:
-    """Calibrates a camera in a hand for each seed; prints the table."""
+def calibration() -> list[Figure]:
+    """Calibrates a camera in a hand for each seed."""
     after, before = (np.array(errors) for errors in zip(*map(calibrated, range(_SEEDS)), strict=True))
     far, turned = after.max(axis=0)
     what = f"hand-eye from {_VIEWS} views, {_NOISE} px noise, worst of {_SEEDS} seeds"
     middle = np.median(after, axis=0)
-    figures = [
+    return [
         Figure(
             f"{what}: position",
             f"{1e3 * far:.3f} mm (median {1e3 * middle[0]:.3f})",
@@ -97,7 +117,86 @@ def main() -> int:
             f"by hand {math.degrees(before[:, 1].max()):.1f} deg",
         ),
     ]
-    return finish("robots", figures)
+
+
+ROBOTS = {"mobile_panda": False, "mobile_iiwa": False, "ur10e_cell": True}
+"""Whether nothing moves a robot, by its name."""
+_IN_A_KIT = 4
+_FRICTION = 0.6, 1.0
+"""Least and greatest friction of the pads of the fingers."""
+
+
+class Pallet(Campaign):
+    """Parts from a pallet into a kit.
+
+    Args:
+        robot: The robot that does it.
+    """
+
+    name = "pallet"
+
+    def __init__(self, robot: str) -> None:
+        self.robot = robot
+
+    def scene(self, seed: int) -> Scene:
+        """Generates a scene."""
+        return scenes.pallet(seed, self.robot, stands=ROBOTS[self.robot])
+
+    def run(self, stage: Stage) -> dict[str, float]:
+        """Makes the fingers more slippery, and fills the kit."""
+        friction = Chance(stage.scene.seed).within(*_FRICTION)
+        (body,) = stage.session.simulation.scene.robots
+        for gripper in stage.session.spec.robots[0].of(GripperSpec):
+            body.model.joints(gripper.joints).set_surface(Surface(lateral=friction, anchored=True))
+        stage.pursue(stage.scene.goals)
+        return {"friction": friction}
+
+    def figures(self, trials: Sequence[Trial]) -> list[Figure]:
+        """Returns the share of parts that are in the kit, at the first try and after all."""
+        first = [right for trial in trials for right in trial.first]
+        shown = f"{sum(first)} of {len(first)}, {100.0 * sum(first) / max(1, len(first)):.1f} %"
+        figures = [conditions(trials, 99.0), Figure("parts without a failed step", shown), honest(trials)]
+        figures.append(share("scenes without a hit", [not trial.hits for trial in trials], 100.0))
+        return [replace(figure, what=f"{self.robot}: {figure.what}") for figure in figures]
+
+
+def trials_of(campaign: Pallet, picks: int, seeds: Iterator[int], engine: str) -> Iterator[Trial]:
+    """Runs scenes until a robot was to pick and place so many parts; says how each went."""
+    while picks > 0:
+        scene = campaign.scene(next(seeds))
+        scene = replace(scene, goals=scene.goals[: min(picks, _IN_A_KIT)])
+        picks -= len(scene.goals)
+        with tempfile.TemporaryDirectory(prefix="skiros-campaign-") as folder:
+            trial = campaign.trial(scene, Path(folder), simulation=engine)
+        print(f"{scene.name} ({scene.kind}, {engine}): {'MISS' if trial.misses else 'as wanted'}", file=sys.stderr)
+        for miss in trial.misses:
+            print(f"  {miss}", flush=True)
+        yield trial
+
+
+def main() -> int:
+    """Runs the campaign of each robot, or calibrates; prints the table."""
+    parser = ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--robot", action="append", choices=sorted(ROBOTS), help="a robot; several times for several")
+    parser.add_argument("--picks", type=int, default=100, help="parts that each robot is to pick and place")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
+    parser.add_argument("--half", choices=("odd", "even", "both"), default="both", help="seeds that are taken")
+    parser.add_argument("--simulation", default=default_simulation(), help="engine that simulates")
+    arguments = parser.parse_args()
+    if not arguments.robot:
+        return finish("robots", calibration())
+    figures: list[Figure] = []
+    parities = {"odd": (1,), "even": (0,), "both": (0, 1)}[arguments.half]
+    for robot in arguments.robot:
+        campaign, trials = Pallet(robot), list[Trial]()
+        seeds = (seed for seed in count(arguments.first) if seed % 2 in parities)
+        with suppress(KeyboardInterrupt):
+            trials.extend(trials_of(campaign, arguments.picks, seeds, arguments.simulation))
+        tried = sum(len(trial.scene.goals) for trial in trials)
+        figures += campaign.figures(trials)
+        wanted = f"{arguments.picks}"
+        figures.append(Figure(f"{robot}: parts that were wanted", f"{tried}", wanted, tried == arguments.picks))
+    return finish(f"robots, {arguments.simulation}", figures)
 
 
 if __name__ == "__main__":

@@ -84,7 +84,7 @@ def test_a_condition_lists_the_narrower_class_that_robots_can_reach_for_a_role(
 
 def test_the_listed_conditions_are_those_that_the_robots_can_fulfil(api):
     words = {word["name"]: word for word in api.get("/goals/conditions").json()["items"]}
-    assert words["InKit"]["skills"] == ["place", "search"]
+    assert words["InKit"]["skills"] == ["hand_over", "place", "search"]
     assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit", "reached": "kitting:Kit"}
     assert (words["InKit"]["abstract"], words["EmptyHanded"]["abstract"]) == (True, False)
     assert words["RobotAtLocation"]["skills"] == ["drive"]

@@ -64,7 +64,7 @@ def test_each_subsystem_lists_its_modules_and_its_robot(api) -> None:
     managers = {manager.agent: manager for manager in done(api, Modules.managers()).items}
 
     assert managers.keys() == {"arm_1", "base_1"}
-    assert managers["arm_1"].skills == ["pick", "place", "search"]
+    assert managers["arm_1"].skills == ["hand_over", "pick", "place", "search"]
     assert "drive_base" in managers["base_1"].primitives
     assert {manager.robot for manager in managers.values()} == {"robot_1"}
 

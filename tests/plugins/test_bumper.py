@@ -30,6 +30,7 @@ class Robot:
         self.ports = SimpleNamespace(find=lambda _protocol, _device: self)
         self.cell = SimpleNamespace(group_of=lambda _device: self)
         self.carrier = self
+        self.spec = SimpleNamespace(drives_sideways=False)
         self.joint_speed = 0.0
         self.state = BaseState(Pose(), 0.0, 0.0, still=True, force=0.0, torque=0.0)
 

@@ -28,8 +28,10 @@ When = Callable[[Session, Callable[[], bool], Callable[[], None]], None]
 SCENE = Path(__file__).parents[2] / "scenes" / "kitting_carried.ttl"
 STARTER, COMPRESSOR = "ObjectAtLocation(Starter, kit_1_a)", "ObjectAtLocation(Compressor, kit_1_c)"
 DEEP = """scene:pallet_a a kitting:Pallet ;
-    sk:solid '[{"kind": "box", "size": [1.6, 0.8, 0.45], "at": [0.5, 0, 0.225]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON> ;
-    sk:supportHalfExtents "0.7 0.2"^^sk:vectorLiteral ; sk:supportOffset "0.5 0 0.45"^^sk:vectorLiteral ;"""  # noqa: E501 - one literal
+    sk:solid '[{"kind": "box", "size": [2.4, 2.0, 0.45], "at": [0.9, 0, 0.225]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON> ;
+    sk:supportHalfExtents "1.1 0.9"^^sk:vectorLiteral ; sk:supportOffset "0.9 0 0.45"^^sk:vectorLiteral ;"""  # noqa: E501 - one literal
+WALLED_IN = """scene:rack_1 a kitting:Rack ;
+    sk:solid '[{"kind": "box", "size": [2.4, 0.1, 1.0], "at": [0, 1.2, 0.5]}, {"kind": "box", "size": [2.4, 0.1, 1.0], "at": [0, -1.2, 0.5]}, {"kind": "box", "size": [0.1, 2.5, 1.0], "at": [1.2, 0, 0.5]}, {"kind": "box", "size": [0.1, 2.5, 1.0], "at": [-1.2, 0, 0.5]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON> ;"""  # noqa: E501 - one literal
 FALLS = 0.5
 """Speed downwards from which a part falls: one that is let go some millimetres over its place is slower [m/s]."""
 
@@ -90,28 +92,28 @@ def where(session: Session, part: str) -> tuple[str, str]:
 
 
 def test_a_part_beyond_the_reach_of_the_arm_is_left_alone_with_that_reason(open_session: Open, tmp_path: Path) -> None:
-    there = '"6.1 1.6 0.45 0 0 0"^^sk:poseLiteral'
+    there = '"5.9 1.6 0.45 0 0 0"^^sk:poseLiteral'
     far = ("scene:starter_1 a kitting:Starter ;", f"scene:starter_1 a kitting:Starter ; sk:pose {there} ;")
     session = open_session(changed(tmp_path, ("scene:pallet_a a kitting:Pallet ;", DEEP), far), seed=2)
     session.cycle.observe(Truth(session.simulation).watch)
 
     report = session.run(["Holding(gripper_1, starter_1)"])
 
-    picks = [step.reason for step in report.steps if step.skill == "pick"]
     assert not report.reached
     assert is_honest(report)
-    assert len(picks) == 1
-    assert "no joint angles within the limits reach it" in picks[0]
-    assert picks[0] in report.conditions[0].reason
+    assert [(step.skill, step.reason) for step in report.steps] == [
+        ("drive", "starter_1 is out of reach of robot_1 from every side of pallet_a")
+    ]
+    assert report.steps[0].reason in report.conditions[0].reason
     assert where(session, "starter_1") == ("pallet_a", "pallet_a")
     assert session.cycle.board.still
 
 
-def test_a_place_inside_a_wall_is_given_up_with_its_name_and_what_is_elsewhere_is_done(
+def test_a_place_within_walls_is_given_up_with_its_name_and_what_is_elsewhere_is_done(
     open_session: Open, tmp_path: Path
 ) -> None:
-    before_pallet_a = "4.2 1.6 0 0 0 0"
-    session = open_session(changed(tmp_path, ("1.5 0 0 0 0 0", before_pallet_a)), seed=2)
+    around_pallet_a = ("1.5 0 0 0 0 0", "5.0 1.6 0 0 0 0"), ("scene:rack_1 a kitting:Rack ;", WALLED_IN)
+    session = open_session(changed(tmp_path, *around_pallet_a), seed=2)
 
     report = session.run([STARTER, COMPRESSOR])
 

@@ -15,7 +15,6 @@ from skiros_py.station.session import Session
 from skiros_py.world import vocabulary as v
 
 pytestmark = pytest.mark.physics
-pytest.importorskip("cv2")
 
 SCENE = """
 @prefix scene: <https://w3id.org/skiros-py/scene#> .

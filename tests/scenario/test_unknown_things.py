@@ -150,7 +150,7 @@ def test_an_arm_that_meets_something_yields_at_once_and_says_so(
     assert pressed.max() > 0.0
     assert ((pressed[1:] + pressed[:-1]) / 2.0).max() <= 280.0  # 10 ms mean: ISO/TS 15066, hand, transient
     assert pressed[-200:].mean() <= 140.0
-    assert session.world.instances(v.OBSTACLE)
+    assert session.world.instances(v.OBSTACLE) or "grasp unknown_seen" in texts  # a picture from the side shows it
     assert [one.believed for one in report.conditions] == [one.true for one in report.conditions]
 
 

@@ -187,6 +187,12 @@ class Person:
         self.sees(part, body["position"], NEAR)
 
 
+def yaw(pose: dict[str, list[float]]) -> float:
+    """Returns the heading of a pose [deg]."""
+    x, y, z, w = pose["orientation"]
+    return math.degrees(math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+
 class Engineer(Person):
     """Somebody who moves a robot by hand."""
 
@@ -210,11 +216,12 @@ class Engineer(Person):
         self.open("Jog and teach")
         self.sets("Axes of", "Map")
         self.choose("May touch", part, self.page.get_by_role("main"))
-        for size, times in (("20°", 4), ("10°", 1)):
-            self.sets("Turn", size)
-            for _ in range(times):
-                self.jog("Turn tool about +z")
         (seen,) = (one for one in self.ask("/view")["elements"] if one["id"] == part)
+        frame = self.ask("/state")["frames"]["arm_1"]
+        across = (yaw(seen["pose"]) - yaw(frame) + 90.0) % 180.0 - 90.0  # the fingers close across the part
+        self.sets("Turn", "10°")
+        for _ in range(round(abs(across) / 10.0)):
+            self.jog(f"Turn tool about {PLUS if across > 0 else MINUS}z")
         x, y, z = seen["pose"]["position"]
         for axis, goal in enumerate((x, y, z + height)):
             self.jogs_along(axis, goal)

@@ -34,6 +34,10 @@ GENTLE = 1.5
 _TRACE = 1.0
 """Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
 _GRAVITY = 9.81
+_CERTAIN = 2.0
+"""Times the tolerance that is a contact at once, without a load; less has to be felt in two cycles in a row."""
+_ARM_LENGTH = 1.0
+"""Lever at which a load that slips by a hair in the fingers loads a joint for one cycle, and less than it [m]."""
 _WRIST = 3
 """Joints at the end of the arm whose axes nearly meet: a contact beyond the first of them is one of the hand."""
 
@@ -170,6 +174,7 @@ class ContactWatch:
         self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
         self.weight = 0.0
         self._swings = 0.0
+        self._residual = np.zeros(len(arm.spec.joints))  # in the last cycle
         self._tip_speed: Array | None = None  # in the last cycle, along the axes of the base
         self._at_start: Array | None = None
         if self._motion.stands:
@@ -205,7 +210,13 @@ class ContactWatch:
             return None
         if self._at_start is None:
             self._weigh(left, lever)
-        over = np.abs(left - self.weight * lever) - self._at_start - self._expected * np.abs(lever)
+        residual, before = left - self.weight * lever, self._residual
+        self._residual = residual
+        size = np.abs(residual)
+        if size.max() <= _CERTAIN * self.tolerance + self.weight * _ARM_LENGTH:
+            # What slips in the fingers is caught in the next cycle: then the joints feel the opposite.
+            size = np.minimum(size, np.abs(before)) * (residual * before > 0.0)
+        over = size - self._at_start - self._expected * np.abs(lever)
         return self._touch(state, left, float(over.max())) if over.max() > self.tolerance else None
 
     def _left(self, motion: JointMotion) -> Array:

@@ -128,9 +128,9 @@ class Locate(LookingPrimitive):
         if isinstance(region, str):
             return Failure(region)
         clear_looks, why = 0, ""
+        x, y, _ = (map_pose(self.context, part) or region.pose).position  # where it is believed to be, if that is known
         for attempt in range(1, _MISSES + 2):
             self.progress(attempt, Message("look {attempt} at {place}", attempt=attempt, place=self.params.place))
-            x, y, _ = region.pose.position
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
                 return refused(look)

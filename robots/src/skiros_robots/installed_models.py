@@ -1,4 +1,4 @@
-"""URDF of arms in installed packages, composed with the URDF of the platform that carries them."""
+"""URDF of arms and hands, composed with the URDF of what carries them; some are in installed packages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ from skiros_py.errors import FileError, MissingExtra
 
 
 def mounted(
-    platform: Path, mount: str, arm: Path, mend: Callable[[ET.Element], None], *, without: Collection[str] = ()
+    platform: Path,
+    mount: str,
+    arm: Path,
+    mend: Callable[[ET.Element], None] = lambda _: None,
+    *,
+    without: Collection[str] = (),
 ) -> str:
     """Returns the URDF of a platform with an arm's links and joints in it, before the joint that mounts the arm.
 

@@ -105,6 +105,13 @@ MAY_BE_IN = ConditionType(
     Related(v.MAY_BE_IN, "object", "location"),
     "The object was let go over the container, and has not been seen there yet.",
 )
+HANDED_OVER = ConditionType(
+    "HandedOver",
+    (Role("object", v.MANIPULATABLE), Role("shelf", kitting.HANDOVER_SHELF)),
+    Related(v.IN, "object", "shelf"),
+    "The object lies on the shelf, for other robots to take.",
+    abstract=True,
+)
 IN_KIT = ConditionType(
     "InKit",
     (Role("object", v.MANIPULATABLE), Role("kit", kitting.KIT)),

@@ -19,6 +19,8 @@ COMPRESSOR: Final = ClassName("kitting:Compressor")
 """An air-conditioning compressor, its head on top of the +x end."""
 DOCKING_PLACE: Final = ClassName("kitting:DockingPlace")
 """One of several places from which a robot can work at a thing, which has it as a piece."""
+HANDOVER_SHELF: Final = ClassName("kitting:HandoverShelf")
+"""A narrow shelf on which robots put parts down for each other, each from its side; they lie at 0.60 m."""
 KIT: Final = ClassName("kitting:Kit")
 """A fixed tray of 2 x 2 compartments with walls 0.006 m thick and 0.033 m high on a floor of 0.006 m."""
 PALLET: Final = ClassName("kitting:Pallet")

@@ -70,6 +70,7 @@ PICK = Skill(
             Do.of("move_arm", arm=P("Arm")),
         ),
     ),
+    takes=("Container",),  # several robots may reach it
     # fingers that have lost the part meanwhile close, which is seen by what watches them
     post_sense=Do.of("gripper_control", gripper=P("Gripper"), gap=0.0),
 )

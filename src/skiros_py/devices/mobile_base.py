@@ -32,11 +32,11 @@ from skiros_py.ports.simulation import SimulatedRobot
 _ALIGNED = math.radians(0.15)
 _SHORT = 0.002  # [m] a shorter way counts as none
 _ASIDE = 0.06  # [m] greatest distance from the line of a leg; paths keep a larger distance from obstacles
-_DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a base of this weight, and not to crush
-_HOLDING_FORCE = 600.0  # [N] and [N m]; what braked wheels hold by friction
+_DRIVE_FORCE = 160.0  # [N] and [N m]; enough for the acceleration limits of a base of 100 kg, and not to crush
+_HOLDING = 3.75  # what braked wheels hold by friction, per force of the drives
 _SLOWED = 0.003  # [m/s] a base this much slower than its drives were to make it is slowed from outside
 _HINDERED = 0.02  # [rad/s] the same for turning
-_YIELDING_FORCE = 40.0  # [N]; what its drives still exert where it has met something: it is pushed back
+_YIELDING = 0.25  # share of the force that its drives still exert where it has met something: it is pushed back
 _PUSHED_BACK = 0.15  # [m/s, rad/s]; where it is pushed back faster, it brakes
 _YIELDING_TIME = 0.5  # [s]; the swinging of its arms does not push it away for longer
 _HOLDING_GAIN = 0.2
@@ -91,6 +91,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
         max_linear, max_angular: Speed limits [m/s, rad/s].
         max_linear_acceleration, max_angular_acceleration: Acceleration and braking limits [m/s², rad/s²].
         max_sideways: Speed limit sideways of an omnidirectional base [m/s]; 0 for a differential drive.
+        drive_force: What the drives exert at most to move it [N], and to turn it [N m].
     """
 
     kind: ClassVar[str] = "base"
@@ -116,6 +117,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
     max_linear_acceleration: float
     max_angular_acceleration: float
     max_sideways: float = 0.0
+    drive_force: float = _DRIVE_FORCE
 
     @classmethod
     def read(cls, individual: Individual) -> Self:
@@ -128,6 +130,7 @@ class BaseSpec(MobileSpec[BaseState, BaseTwist]):
             individual.number("sk:maxLinearAcceleration"),
             individual.number("sk:maxAngularAcceleration"),
             individual.number("sk:maxSideways", 0.0),
+            individual.number("sk:driveForce", _DRIVE_FORCE),
         )
 
     def fake(self, robot: FakeRobot) -> FakeBase:
@@ -531,9 +534,10 @@ class SimulatedBase:
         aside = math.copysign(measured.sideways, resisted.sideways * measured.sideways)
         around = math.copysign(measured.angular, resisted.angular * measured.angular)
         if max(ahead, aside) > _SLOWED or around > _HINDERED:
-            effort = _HOLDING_FORCE
+            effort = _HOLDING * self.spec.drive_force
         else:
-            effort = _YIELDING_FORCE if min(ahead, aside, around) > -_PUSHED_BACK else _DRIVE_FORCE
+            yields = min(ahead, aside, around) > -_PUSHED_BACK
+            effort = (_YIELDING if yields else 1.0) * self.spec.drive_force
         self._wheels.drive_velocities([0.0] * len(self._rolling), effort=_WHEEL_TORQUE)
         self._plane.drive_velocities((0.0, 0.0, 0.0), effort=effort)
 
@@ -556,7 +560,7 @@ class SimulatedBase:
         heading = self._plane.read().positions[2] + angular * self._period / 2.0
         cos, sin = math.cos(heading), math.sin(heading)
         velocities = linear * cos - sideways * sin, linear * sin + sideways * cos, angular
-        self._plane.drive_velocities(velocities, effort=_DRIVE_FORCE)
+        self._plane.drive_velocities(velocities, effort=self.spec.drive_force)
         speeds = (self._rolling @ (linear, sideways, angular)).tolist()
         self._wheels.drive_velocities(speeds, effort=_WHEEL_TORQUE)
 
@@ -564,7 +568,7 @@ class SimulatedBase:
         """Holds the place where it came to rest: at zero velocity alone it would creep under the arm's motions."""
         self._held = self._held or self._plane.read().positions
         self._wheels.drive_velocities([0.0] * len(self._rolling), effort=_WHEEL_TORQUE)
-        self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_HOLDING_FORCE] * 3)
+        self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_HOLDING * self.spec.drive_force] * 3)
 
 
 def _rolling(robot: SimulatedRobot, wheels: Sequence[str]) -> Array:

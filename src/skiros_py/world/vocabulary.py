@@ -99,7 +99,8 @@ BELOW: Final = RelationName("sk:below")
 """The object is above the subject."""
 BUILT_LIKE: Final = RelationName("sk:builtLike")
 """In a scene file: the robot gets its own copies of the other's pieces, and all its other properties, unless the
-scene states them differently. The piece base_1 of robot_1 becomes base_2 of robot_2. Not stored."""
+scene states them differently. The piece base_1 of robot_1 becomes base_2 of robot_2. Instead of another robot, the
+IRI of the file that describes it, which the scene then does not import. Not stored."""
 COMPUTED: Final = RelationName("sk:computed")
 """Computed on demand by a reasoner, never stored."""
 FITS_IN: Final = RelationName("sk:fitsIn")
@@ -171,6 +172,8 @@ DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise at half a metre [m]."""
 DRIVER: Final = PropertyName("sk:driver")
 """Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
+DRIVE_FORCE: Final = PropertyName("sk:driveForce")
+"""Maximum force of its drives [N], and torque to turn it [N m]; without it, 160, enough for a base of about 100 kg."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 """Pose of a robot base for working here, in this element's own frame [m, rad]."""
 FAILED_TIMES: Final = PropertyName("sk:failedTimes")

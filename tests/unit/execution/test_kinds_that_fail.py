@@ -152,12 +152,13 @@ AT_THE_START = {
     "frame_names",
     "mounted_on",
     "platform_link",
+    "mounting",
 }
 """What a cell is brought up with: it is refused by name."""
 ELSEWHERE = {"encode", "decode_state", "decode_target", "noisy", "planned_poses", "has_arrived"}
 """What recordings, requests and tests call in threads of their own."""
 CONSTANT = {"state_type", "target_type", "signals", "carries", "jog", "teach", "id"} | {
-    "start", "footprint", "mixes", "signal", "plans_motions"
+    "start", "footprint", "mixes", "signal", "plans_motions", "drives_sideways"
 }  # fmt: skip
 
 

@@ -8,8 +8,6 @@ from itertools import islice
 import numpy as np
 import pytest
 
-pytest.importorskip("cv2")
-
 from skiros_primitives.board_views import board_views
 from skiros_py.charuco import corners_in, dark_cells
 from skiros_py.geometry import Pose, Primitive, Solid

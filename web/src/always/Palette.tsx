@@ -31,6 +31,7 @@ export default function Palette() {
       attributes={{ content: { "aria-label": t("palette.open") } }}
       scrollable
       maxHeight={420}
+      scrollAreaProps={{ viewportProps: { tabIndex: 0 } }} // a list longer than that can be scrolled by keys
       limit={30}
       nothingFound={t("palette.nothing")}
       searchProps={{

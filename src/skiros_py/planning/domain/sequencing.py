@@ -6,6 +6,7 @@ nothing is added if the scene's numbers do not apply. Costs come from the number
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import count, product
@@ -225,7 +226,7 @@ def write_with_costs(task: PlanningTask, *, name: str) -> PddlTexts:
     return writer.texts()
 
 
-class _CostWriter(PddlWriter):
+class _CostWriter(PddlWriter, ABC):
     metric = "minimize (total-cost)"
 
     def requirements(self) -> tuple[str, ...]:
@@ -241,9 +242,9 @@ class _CostWriter(PddlWriter):
         cost = self.cost(action, names)
         return super().effects(action, names) + ([f"(increase (total-cost) {cost})"] if cost else [])
 
+    @abstractmethod
     def cost(self, action: Action, names: NameMap) -> str:
         """Returns what an action costs; empty for nothing."""
-        raise NotImplementedError
 
 
 class _SequenceWriter(_CostWriter):

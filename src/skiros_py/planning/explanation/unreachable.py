@@ -224,7 +224,7 @@ class UnreachableFacts:
         if not givers or atom in chain or len(chain) == _DEPTH or self._left < 0:
             return self._without_giver(atom, types, chain)
         tries = [self._tried(action, effect, atom, types) for action, effect in givers]
-        best = max(tries, key=lambda one: (one.progress, self._is_open(one)))
+        best = max(tries, key=lambda one: (one.progress, self._is_open(one), self._has_elements(one)))
         if best.direct is not None:
             return replace(best.direct, missing=best.direct.missing or atom, types=best.direct.types or types)
         return self._described(best, (*chain, atom))
@@ -237,6 +237,10 @@ class UnreachableFacts:
         family = self._ontology.family(relation) if relation in self._ontology.relations else None
         return family not in (Family.STRUCTURE, Family.COMPUTED)
 
+    def _has_elements(self, one: _Try) -> bool:
+        """Returns whether there is something of each class that it needs."""
+        return all(self._relaxed.is_some(class_) for class_ in one.types.values())
+
     def _without_giver(self, atom: Atom, types: Types, chain: Chain) -> Reason:
         leaf = self._leaves.of(atom, types)
         if chain or leaf.kind is not CauseKind.MISSING_FACT:
@@ -247,7 +251,10 @@ class UnreachableFacts:
         return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
-        """Returns whether an effect is of the required kind; a wrong element is left for the reason to report."""
+        """Returns whether an effect is of the required kind; a wrong element is left for the reason to report.
+
+        Of a narrower kind than required there must be something.
+        """
         if effect.predicate != atom.predicate:
             return False
         own = action.types
@@ -256,7 +263,9 @@ class UnreachableFacts:
             for variable, value in zip(effect.arguments, atom.arguments, strict=True)
             if is_variable(value) and own.get(variable) and types.get(value)
         ]
-        return all(self._ontology.is_a(a, b) or self._ontology.is_a(b, a) for a, b in pairs)
+        return all(
+            self._ontology.is_a(b, a) or (self._ontology.is_a(a, b) and self._relaxed.is_some(a)) for a, b in pairs
+        )
 
     # ------------------------------------------------------------ how far an action gets
 

@@ -22,7 +22,7 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.ports.board import Commander
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.kinematics import Kinematics
-from skiros_py.ports.motion import DepthView, MotionCheck, NoMotion
+from skiros_py.ports.motion import DepthView, MotionCheck, NoMotion, ReachRequest
 from skiros_py.ports.perception import DetectionRequest, DetectionResult, RegistrationRequest, RegistrationResult
 from skiros_py.ports.values import DepthImage
 from skiros_py.station.requests import find
@@ -277,7 +277,7 @@ class Motions:
     def _note(self, session: Session, call: LibraryCall) -> None:
         """Records a request; called in the control thread."""
         device = session.spec.devices.get(getattr(call.request, "device", ""))
-        is_plan = not isinstance(call.request, DepthView | MotionCheck)
+        is_plan = not isinstance(call.request, DepthView | MotionCheck | ReachRequest)
         if device is None or not is_plan or not device.plans_motions():
             return
         board = session.cycle.board

@@ -287,25 +287,35 @@ def save_scene(world: World, path: Path) -> None:
 
 
 def _read(ontology: Ontology, path: Path, ontology_paths: Sequence[Path]) -> Reader:
-    reader = Reader(ontology)
-    scene, *imported = _with_imports(read_document(path), ontology, ontology_paths)
-    reader.take(scene, whole=True)
-    for file in imported:
-        reader.take(file)
+    reader, document = Reader(ontology), read_document(path)
+    known = _known_files(ontology, ontology_paths)
+    for file in _with_imports(document, document.imports(), known):
+        reader.take(file, whole=file is document)
+    for iri in reader.copied_files():
+        described = Reader(ontology)
+        for file in _with_imports(document, (iri,), known)[1:]:
+            described.take(file)
+        reader.describe(iri, described.individuals)
     return reader
 
 
-def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) -> list[Document]:
+def _known_files(ontology: Ontology, paths: Sequence[Path]) -> dict[str, Document]:
+    """Returns the files that are looked up by IRI before those of plug-ins are."""
     known = {iri: file for file in ontology.sources for iri in file.iris()}
     read = {file.path.resolve() for file in ontology.sources}
     for file in (read_document(path) for path in rdf_files(paths) if path.resolve() not in read):
         known = dict.fromkeys(file.iris(), file) | known
+    return known
+
+
+def _with_imports(scene: Document, iris: Sequence[str], known: Mapping[str, Document]) -> list[Document]:
+    """Returns a scene file, and the files that some IRIs in it name, with all that those import."""
     files = {scene.iri: scene}
     missing: dict[str, Document] = {}
     broken: list[PluginFault] = []
-    waiting = [scene]
-    for file in waiting:
-        for iri in file.imports():
+    waiting = [(scene, iris)]
+    for file, wanted in waiting:
+        for iri in wanted:
             found = files.get(iri) or known.get(iri)
             if found is None:
                 found, faults = robot_document(iri)
@@ -314,7 +324,7 @@ def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) ->
                 missing.setdefault(iri, file)
             elif found.iri not in files:
                 files[found.iri] = found
-                waiting.append(found)
+                waiting.append((found, found.imports()))
     if missing:
         raise _missing(missing, known, broken)
     return list(files.values())

@@ -1,7 +1,7 @@
 """Reads individuals from files, as the edits that add them to a world.
 
 A scene may state ``scene:robot_2 sk:builtLike scene:robot_1`` and, for the parts, only the differences, such as where
-base_2 starts.
+base_2 starts. Instead of another robot it may name the file that describes one, by its IRI.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.ontology.statements import Statements
 from skiros_py.world.terms import Family, reached
-from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, STRUCTURE
+from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL, POSE, POSE_FRAME, ROBOT, STRUCTURE
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
 
@@ -49,27 +49,39 @@ class Individual:
 _NUMBERED = re.compile(r"(.*?)_?(\d+)")
 
 
-def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str, ontology: Ontology) -> None:
+def add_copy(
+    individuals: MutableMapping[str, Individual],
+    copy: str,
+    like: str,
+    ontology: Ontology,
+    described: Mapping[str, Individual] | None = None,
+) -> None:
     """Completes a robot from the description of another one, and creates its parts.
 
     Existing statements about the copy and its parts are kept. Map poses of parts are not copied: two bases do not
     start in one place.
 
     Args:
-        individuals: All individuals by name; both robots are among them, the one to copy is complete.
+        individuals: All individuals by name, among them the robot to complete.
         copy: Name of the robot to complete.
         like: Name of the robot to copy from.
         ontology: Defines which relations are structure.
+        described: The individuals among which the robot to copy is described in full; None for these.
     """
-    below = ontology.sub_relations(STRUCTURE)
+    below, source = ontology.sub_relations(STRUCTURE), individuals if described is None else described
 
     def parts(whole: str) -> list[str]:
-        return [to for relation, to in individuals[whole].relations if relation in below and to in individuals]
+        return [to for relation, to in source[whole].relations if relation in below and to in source]
 
     pieces = reached([like], parts)
     names = {piece: copy if piece == like else _renamed(piece, like, copy) for piece in pieces}
     for piece, name in names.items():
-        _complete(individuals.setdefault(name, Individual()), individuals[piece], names, ontology)
+        _complete(individuals.setdefault(name, Individual()), source[piece], names, ontology)
+
+
+def _is_iri(name: str) -> bool:
+    """Returns True for the IRI of a file, False for the id of an individual."""
+    return "/" in name or ":" in name
 
 
 def _renamed(piece: str, like: str, copy: str) -> str:
@@ -145,6 +157,7 @@ class Reader:
 
     Attributes:
         files: The files read so far.
+        individuals: The individuals read so far, by name, as their files describe them.
     """
 
     def __init__(self, ontology: Ontology, namespace: str = SCENE) -> None:
@@ -154,9 +167,10 @@ class Reader:
         self._namespace = namespace
         self._predicates: dict[str, Predicate] = {}
         self._types: dict[str, str] = {}
-        self._individuals: dict[str, Individual] = {}
+        self.individuals: dict[str, Individual] = {}
         self._goals: set[str] = set()
         self._copies: dict[str, str] = {}
+        self._described_in: dict[str, Mapping[str, Individual]] = {}
 
     def take(self, file: Document, *, whole: bool = False) -> None:
         """Reads a file's statements about individuals of the namespace.
@@ -180,6 +194,14 @@ class Reader:
                 last, name = iri, self._names.name(iri)
             self._take(file, triple, name)
 
+    def copied_files(self) -> list[str]:
+        """Returns the IRIs of files whose robots are copied."""
+        return sorted({like for like in self._copies.values() if _is_iri(like)})
+
+    def describe(self, iri: str, individuals: Mapping[str, Individual]) -> None:
+        """Tells which individuals a file whose robot is copied describes, with what it imports."""
+        self._described_in[iri] = individuals
+
     def edits(self) -> Iterator[Edit]:
         """Yields the edits that make a world without these individuals one with them; may be called once.
 
@@ -188,12 +210,12 @@ class Reader:
                 two places.
         """
         self._add_copies()
-        names = sorted(self._individuals)
+        names = sorted(self.individuals)
         for name in names:
-            yield ElementEdit(name, None, self._element(name, self._individuals[name]))
+            yield ElementEdit(name, None, self._element(name, self.individuals[name]))
         yield from self._placements(names)
         for name in names:
-            for relation, object_ in sorted(set(self._individuals[name].relations)):
+            for relation, object_ in sorted(set(self.individuals[name].relations)):
                 if not self._ontology.is_placement(relation):
                     self._check_single(name, relation)
                     yield RelationEdit(name, relation, self._described(name, relation, object_), old=False, new=True)
@@ -246,9 +268,9 @@ class Reader:
         if name == "this":
             self._take_scene(file, triple)
             return
-        individual = self._individuals.get(name)
+        individual = self.individuals.get(name)
         if individual is None:
-            individual = self._individuals[name] = Individual()
+            individual = self.individuals[name] = Individual()
         predicate, object_ = self._predicate(triple), triple.object
         if predicate.name == "rdf:type":
             self._take_type(file, triple, individual)
@@ -257,7 +279,8 @@ class Reader:
         elif predicate.name not in self._ontology.relations:
             raise self._misused(file, triple, "relation", predicate)
         elif isinstance(object_, ox.NamedNode) and predicate.name == BUILT_LIKE:
-            self._take_copy(name, self._names.name(object_.value))
+            iri = object_.value
+            self._take_copy(name, self._names.name(iri) if iri.startswith(self._namespace) else iri)
         elif isinstance(object_, ox.NamedNode):
             individual.relations.append((predicate.name, self._names.name(object_.value)))
         else:
@@ -286,7 +309,7 @@ class Reader:
             value = parse_value(literal.value, type_, predicate.range)
         except ValueError as error:
             raise _at(file, triple, f"{name}: {predicate.name} {error}") from None
-        other = self._individuals[name].values.setdefault(predicate.name, value)
+        other = self.individuals[name].values.setdefault(predicate.name, value)
         if other != value:
             said = f"{shown(format_value(other))} and {shown(format_value(value))}"
             raise _at(file, triple, f"{name}: {predicate.name} has two values, and may have one: {said}")
@@ -302,12 +325,26 @@ class Reader:
 
     def _add_copies(self) -> None:
         for name, like in sorted(self._copies.items()):
+            if like in self._described_in:
+                described = self._described_in[like]
+                add_copy(self.individuals, name, self._robot_of(name, like, described), self._ontology, described)
+                continue
             self._described(name, BUILT_LIKE, like)
             if like in self._copies:
                 reason = f"{like} is {BUILT_LIKE} {self._copies[like]} itself: name one that is described in full"
                 raise self._fault(f"{name}: {reason}", name, BUILT_LIKE, like)
-            add_copy(self._individuals, name, like, self._ontology)
+            add_copy(self.individuals, name, like, self._ontology)
         self._copies.clear()
+
+    def _robot_of(self, name: str, iri: str, described: Mapping[str, Individual]) -> str:
+        """Returns the robot that a file describes."""
+        classes = {ROBOT, *self._ontology.subclasses(ROBOT)}
+        robots = [one for one, individual in described.items() if classes.intersection(individual.types)]
+        if len(robots) != 1:
+            found = ", ".join(sorted(robots)) or "none"
+            reason = f"{name}: <{iri}> must describe one robot, and describes {found}"
+            raise self._fault(reason, name, BUILT_LIKE)
+        return robots[0]
 
     def _element(self, name: str, individual: Individual) -> Element:
         class_ = self._class(name, individual)
@@ -332,7 +369,7 @@ class Reader:
     def _placements(self, names: list[str]) -> Iterator[Edit]:
         placements: dict[str, Placement] = {}
         for name in names:
-            for relation, object_ in sorted(set(self._individuals[name].relations)):
+            for relation, object_ in sorted(set(self.individuals[name].relations)):
                 if self._ontology.is_placement(relation):
                     self._described(name, relation, object_)
                     element, placement = self._ontology.placed(name, relation, object_)
@@ -343,14 +380,14 @@ class Reader:
             yield PlacementEdit(element, None, placement)
 
     def _described(self, name: str, relation: str, object_: str) -> str:
-        if object_ not in self._individuals:
-            raise self._fault(str(UnknownName("individual", object_, self._individuals)), name, relation, object_)
+        if object_ not in self.individuals:
+            raise self._fault(str(UnknownName("individual", object_, self.individuals)), name, relation, object_)
         return object_
 
     def _check_single(self, name: str, relation: str) -> None:
         """The next object of a functional relation would silently replace the one before."""
         if self._ontology.relation(relation).functional:
-            objects = {o for r, o in self._individuals[name].relations if r == relation}
+            objects = {o for r, o in self.individuals[name].relations if r == relation}
             if len(objects) > 1:
                 said = ", ".join(f"{relation} {o}" for o in sorted(objects))
                 raise self._fault(f"{name} may have one of these, not all: {said}", name, relation)

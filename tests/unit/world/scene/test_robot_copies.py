@@ -98,3 +98,31 @@ def test_a_robot_that_cannot_be_copied_is_refused_with_its_line(text: str, reaso
         two(TWO + text)
 
     assert refused.value.line is not None
+
+
+CELL = "<https://w3id.org/skiros-py/robots/ur10e_cell>"
+OTHER_KIND = f"""
+scene:base_1 sk:pose "0 0 0 0 0 0"^^sk:poseLiteral .
+scene:robot_2 a sk:Robot ; sk:builtLike {CELL} ; sk:at scene:unknown_location ; sk:pose "0 2 0 0 0 0"^^sk:poseLiteral .
+"""
+
+
+def test_robots_of_two_kinds_are_in_one_scene_by_the_file_that_describes_the_second() -> None:
+    world = two(OTHER_KIND)
+
+    one, other = read_cell(world, ["robot_1", "robot_2"]).robots
+    assert (one.model, other.model) == ("mobile_panda", "ur10e_cell")
+    assert world.objects("robot_2", "sk:hasA") == ("arm_2",)
+    assert world.objects("arm_2", "sk:hasA") == ("camera_2", "force_torque_2", "gripper_2")
+    assert world.objects("gripper_2", "sk:mountedOn") == ("arm_2",)
+    assert (one.of(GripperSpec)[0].max_gap, other.of(GripperSpec)[0].max_gap) == (0.08, 0.14)
+
+
+def test_a_file_that_nobody_has_or_that_describes_no_robot_is_refused_with_its_line() -> None:
+    missing = OTHER_KIND.replace("robots/ur10e_cell", "robots/crane")
+    none = OTHER_KIND.replace("robots/ur10e_cell", "robots/three_finger_gripper")
+
+    for text, reason in ((missing, "robots/crane"), (none, "must describe one robot")):
+        with pytest.raises(FileError, match=reason) as refused:
+            two(text)
+        assert refused.value.line is not None
