@@ -23,6 +23,7 @@ from skiros_py.errors import UsageError, escaped
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.service import Planned
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind, short_step
@@ -84,7 +85,7 @@ class RunDisplay:
         self._plans = 0
         session.monitor.subscribe(self._on_event)
         session.on_plan(self._on_plan)
-        session.tasks.on_begin(lambda task: task.trace.subscribe(self._on_trace))
+        session.tasks.on_begin(self._on_begin)
 
     def __enter__(self) -> Self:
         session = self._session
@@ -123,6 +124,9 @@ class RunDisplay:
         skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}
         for number, step in enumerate(planned.outcome.steps, start=1):
             self.say(f"  {number:2}. {short_step(step, skills[step.skill])}")
+
+    def _on_begin(self, task: TaskHandle) -> None:
+        task.trace.subscribe(self._on_trace)
 
     def _on_trace(self, entry: TraceEntry) -> None:
         if entry.what in (TraceEventKind.REHEARSES, TraceEventKind.REHEARSED):

@@ -120,7 +120,7 @@ class GoalExecutor(TaskExecutor):
                 yield
 
     def _rehearse(self) -> Execution[str]:
-        """Rehearses the goal, and avoids what that has ruled out; returns why it would fail, or an empty text.
+        """Rehearses the goal, and avoids what that has ruled out; returns why nothing is to be done, or an empty text.
 
         Raises:
             UsageError: There is nothing to rehearse in.
@@ -134,7 +134,7 @@ class GoalExecutor(TaskExecutor):
         reason = rehearsal.reason
         text = Message("would fail: {reason}", reason=reason) if reason else Message("rehearsed: the goal is reached")
         self._trace.write(TraceEventKind.REHEARSED, text, rehearsal.as_json())
-        return text if reason else ""
+        return text if reason and not self._task.policy.partial else ""
 
     # ------------------------------------------------------------------ planning
 

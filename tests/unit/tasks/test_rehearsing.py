@@ -54,7 +54,9 @@ class Done:
 PASSED = rehearsal(Round((play(reached=True),)))
 
 
-def begin(bench: Bench, answer: Cancellable[Rehearsal]) -> tuple[TaskHandle, list[Sequence[Condition]]]:
+def begin(
+    bench: Bench, answer: Cancellable[Rehearsal], *, partial: bool = False
+) -> tuple[TaskHandle, list[Sequence[Condition]]]:
     """Begins a task that is to be rehearsed; returns it, and the goals that are asked for."""
     asked: list[Sequence[Condition]] = []
 
@@ -63,7 +65,7 @@ def begin(bench: Bench, answer: Cancellable[Rehearsal]) -> tuple[TaskHandle, lis
         return answer
 
     object.__setattr__(vars(bench.tasks)["_context"], "rehearser", rehearse)
-    return bench.tasks.begin(bench.goal(GOAL), policy=Policy(rehearse=True)), asked
+    return bench.tasks.begin(bench.goal(GOAL), policy=Policy(rehearse=True, partial=partial)), asked
 
 
 @pytest.mark.parametrize("ruled_out", [(), (FIRST,)])
@@ -87,6 +89,16 @@ def test_a_goal_that_would_fail_is_not_begun_and_says_why() -> None:
     assert task.result.steps == ()
     assert task.result.no_plan == ("would fail: it slips (in 1 of 1 draws)",)
     assert [e.text for e in task.trace.entries if e.what is TraceEventKind.REHEARSED] == list(task.result.no_plan)
+
+
+def test_what_can_be_reached_is_begun_if_that_is_the_policy() -> None:
+    with Bench(tiny_world(), SKILLS) as bench:
+        task, _ = begin(bench, Done(rehearsal(Round((play(reached=False),)))), partial=True)
+        bench.until(lambda: task.done)
+
+    assert task.result.reached
+    assert task.rehearsal is not None
+    assert not task.rehearsal.passed
 
 
 def test_a_stopped_task_cancels_its_rehearsal() -> None:

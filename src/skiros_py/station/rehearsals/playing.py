@@ -18,7 +18,7 @@ import numpy as np
 from skiros_py.errors import SkirosError
 from skiros_py.interruptions import UserStop, raise_in
 from skiros_py.messages import Message, joined
-from skiros_py.planning.plan import NoPlan, Step
+from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.requests import RuledOut
 from skiros_py.planning.service import Planned
 from skiros_py.processes import packed, receive, send
@@ -81,7 +81,8 @@ def rehearse(order: RehearsalOrder, tell: Tell = lambda _event: None) -> Rehears
     Raises:
         SkirosError: The second world cannot be opened, the goal cannot be read, or planning broke.
     """
-    started, rounds, ruled_out = time.perf_counter(), [], list(order.ruled_out)
+    started, ruled_out = time.perf_counter(), list(order.ruled_out)
+    rounds: list[Round] = []
     with tempfile.TemporaryDirectory(prefix="skiros-rehearsal-") as folder:
         scene = Path(folder) / f"{order.name}.ttl"
         scene.write_text(order.scene, encoding="utf-8")
@@ -137,10 +138,11 @@ class _Player:
     def __init__(self, session: Session, name: str, order: RehearsalOrder, tell: Tell) -> None:
         self._session, self._name, self._order, self._tell = session, name, order, tell
         self._task: TaskHandle | None = None
-        self._steps: dict[str, RehearsedStep] = {}
+        self._steps: list[RehearsedStep] = []
+        self._failed: dict[str, RehearsedStep] = {}
+        self._begun: Counter[str] = Counter()  # of the current plan
         self._failures: Counter[tuple[str, str]] = Counter()
         self._found: list[RuledOut] = []
-        self._no_plan: tuple[str, ...] = ()
         session.tasks.on_begin(self._follow)
         session.on_plan(self._note_plan)
         session.cycle.observe(self._watch_time)
@@ -150,7 +152,7 @@ class _Player:
         report = self._session.run(self._order.goal or None, ruled_out=ruled_out)
         if report.no_plan and not self._found:
             return Round(no_plan=report.no_plan)
-        steps = (*self._steps.values(), *self._not_tried(report))
+        steps = (*self._steps, *self._not_tried(report))
         return Play(draw, steps, report.reached, self._reason(report), report.simulated, tuple(self._found))
 
     def _follow(self, task: TaskHandle) -> None:
@@ -158,8 +160,8 @@ class _Player:
         task.after_step(self._after_step)
 
     def _note_plan(self, planned: Planned) -> None:
-        if isinstance(planned.outcome, NoPlan):
-            self._no_plan = planned.outcome.reasons
+        if isinstance(planned.outcome, Plan):
+            self._begun.clear()
 
     def _watch_time(self) -> None:
         if self._task is not None and self._session.cycle.board.now > self._order.limit:
@@ -173,21 +175,26 @@ class _Player:
         if failure is not None and failure.code == CANCELLED and self._found:
             return
         key = describe_step(run.step, skill)
-        known = self._steps.pop(key, None)
-        lasted = self._session.cycle.board.now - run.start
+        before = self._failed.pop(key, None)
         step = RehearsedStep(
             short_step(run.step, skill),
             run.step.skill,
             dict(run.step.arguments),
-            StepState.FAILED if failure else StepState.DONE,
-            (known.tries if known else 0) + 1,
-            failure.reason if failure else known.reason if known else "",
-            str(failure.values.get("cause", "")) if failure else known.cause if known else "",
-            _bodies(failure.values) if failure else known.bodies if known else (),
-            (known.seconds if known else 0.0) + lasted,
-            self._picture(run) if failure else known.picture if known else "",
+            StepState.DONE,
+            (before.tries if before else 0) + 1,
+            seconds=(before.seconds if before else 0.0) + self._session.cycle.board.now - run.start,
         )
-        self._steps[key] = step
+        if failure is not None:
+            cause, bodies = str(failure.values.get("cause", "")), _bodies(failure.values)
+            step = replace(step, state=StepState.FAILED, reason=failure.reason, cause=cause, bodies=bodies)
+            self._failed[key] = step = replace(step, picture=self._picture(run))
+        elif before is not None:
+            step = replace(before, state=StepState.DONE, tries=step.tries, seconds=step.seconds)
+        if before is not None:
+            self._steps.remove(before)
+        if before is None or not self._begun[key]:
+            self._begun[key] += 1
+        self._steps.append(step)
         self._tell(step)
         if failure is not None and failure.code not in (CANCELLED, OBSTRUCTED):
             self._found += self._impossible(run.step, failure)
@@ -224,9 +231,14 @@ class _Player:
         if plan is None or report.reached:
             return []
         skills = self._session.tasks.skills
-        left = [step for step in plan.steps if describe_step(step, skills[step.skill]) not in self._steps]
-        texts = ((short_step(step, skills[step.skill]), step) for step in left)
-        return [RehearsedStep(text, s.skill, dict(s.arguments), StepState.NOT_TRIED) for text, s in texts]
+        begun, left = self._begun.copy(), []
+        for step in plan.steps:
+            key = describe_step(step, skills[step.skill])
+            if not begun[key]:
+                text = short_step(step, skills[step.skill])
+                left.append(RehearsedStep(text, step.skill, dict(step.arguments), StepState.NOT_TRIED))
+            begun[key] -= bool(begun[key])
+        return left
 
     def _reason(self, report: GoalReport) -> str:
         """Returns why the goal was not reached, as the task says or as the world shows."""
