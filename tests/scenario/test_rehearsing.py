@@ -19,21 +19,15 @@ from skiros_py.tasks.rehearsal import StepState
 
 pytestmark = pytest.mark.physics
 
-BEAM = """
-scene:beam_1 a kitting:Rack ;
-    rdfs:label "beam" ;
-    sk:on scene:floor ;
-    sk:pose "0.727 -0.073 0.72 0 0 0"^^sk:poseLiteral ;
-    sk:solid '[{"kind": "box", "size": [0.13, 0.13, 0.16], "at": [0, 0, 0]}]'^^rdf:JSON .
-"""
-"""A block from 14 cm above the kit, over its compartment B: no hand gets in there."""
-PREFIX = "@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .\n"
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "rehearsal.md"
 
 
 @pytest.fixture
 def trapped(tmp_path: Path) -> Path:
+    """The scene of the page about rehearsals: a block from 14 cm above the kit, over its compartment B."""
     file = tmp_path / "trapped.ttl"
-    file.write_text(PREFIX + find_scene("kitting_cell").read_text() + BEAM)
+    beam = PAGE.read_text(encoding="utf-8").partition("```turtle\n")[2].partition("```")[0]
+    file.write_text(find_scene("kitting_cell").read_text() + beam)
     return file
 
 
