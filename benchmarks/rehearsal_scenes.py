@@ -39,9 +39,10 @@ def scene(seed: int, *, trap: bool) -> Scene:
         if other_way:
             goal = f"InKit({wanted.label}, kit_1)"
         return _made(seed, kind, text, goal, trap=trap, other_way=other_way)
+    # Of parts alike a planner takes the last one first, so that is the one in the trap.
     text += _trapped(chance, kind, place, height, wanted, trap=trap)
     if other_way:
-        text += [storage("pallet_2", other, chance.within(0.45, 0.65)), part("part_2", wanted, "pallet_2")]
+        text += [storage("pallet_1", other, chance.within(0.45, 0.65)), part("part_1", wanted, "pallet_1")]
     return _made(seed, kind, text, goal, trap=trap, other_way=other_way)
 
 
@@ -65,16 +66,16 @@ def _trapped(chance: Chance, kind: str, at: Pose, height: float, type_: PartType
     lies = Pose.of(*_SUPPORT, height, yaw=chance.turn(0.3))
     if kind == "low shelf":
         return [
-            storage("pallet_1", at, height, *_board(chance, height, trap=trap)),
-            part("part_1", type_, "pallet_1", lies),
+            storage("pallet_2", at, height, *_board(chance, height, trap=trap)),
+            part("part_2", type_, "pallet_2", lies),
         ]
     if kind == "out of reach":
         side = chance.within(1.2, 1.5) if trap else 0.0
         wide = [box(0.6 + 2.0 * side, 0.8 + 2.0 * side, height, (0.0, 0.0, height / 2.0))] if trap else []
         back = at @ Pose((side, 0.0, 0.0))  # its near edge stays where it is
-        return [storage("pallet_1", back, height, *wide), part("part_1", type_, "pallet_1", lies)]
+        return [storage("pallet_2", back, height, *wide), part("part_2", type_, "pallet_2", lies)]
     gap = chance.within(0.38, 0.54) if trap else chance.within(1.3, 1.7)
-    return [storage("pallet_1", at, height), part("part_1", type_, "pallet_1", lies), *_room(at, gap)]
+    return [storage("pallet_2", at, height), part("part_2", type_, "pallet_2", lies), *_room(at, gap)]
 
 
 def _board(chance: Chance, height: float, *, trap: bool) -> list[Primitive]:

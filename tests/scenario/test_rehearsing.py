@@ -15,7 +15,10 @@ from skiros_py.station.rehearsals.order import RehearsalOrder, order_from
 from skiros_py.station.rehearsals.rehearsal import RunningRehearsal, rehearsed
 from skiros_py.station.session import Options, Session
 from skiros_py.station.worlds import open_world
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.rehearsal import StepState
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 pytestmark = pytest.mark.physics
 
@@ -64,6 +67,24 @@ def test_what_geometry_forbids_is_said_with_its_reason_and_avoided_by_the_next_p
 
     assert report.reached
     assert not [step for step in report.steps if step.arguments.get("Compartment") == "kit_1_b"]
+
+
+def test_a_task_is_rehearsed_without_a_change_to_its_own_world(open_session: Callable[..., Session]) -> None:
+    session = open_session("kitting_cell", seed=3)
+    seen: dict[TraceEventKind, tuple[int, bytes]] = {}
+
+    def look(entry: TraceEntry) -> None:
+        seen[entry.what] = session.world.version, session.simulation.state_bytes()
+
+    def follow(task: TaskHandle) -> None:
+        task.trace.subscribe(look)
+
+    session.tasks.on_begin(follow)
+    report = session.run("ObjectAtLocation(Alternator, kit_1_b)", Policy(rehearse=True))
+
+    assert report.reached
+    assert seen[TraceEventKind.REHEARSED] == seen[TraceEventKind.REHEARSES]
+    assert seen[TraceEventKind.FINISHED] != seen[TraceEventKind.REHEARSED]
 
 
 def test_a_cancelled_rehearsal_leaves_no_process_behind() -> None:

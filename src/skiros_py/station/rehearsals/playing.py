@@ -143,6 +143,7 @@ class _Player:
         self._begun: Counter[str] = Counter()  # of the current plan
         self._failures: Counter[tuple[str, str]] = Counter()
         self._found: list[RuledOut] = []
+        self._why_ended = ""
         session.tasks.on_begin(self._follow)
         session.on_plan(self._note_plan)
         session.cycle.observe(self._watch_time)
@@ -165,7 +166,8 @@ class _Player:
 
     def _watch_time(self) -> None:
         if self._task is not None and self._session.cycle.board.now > self._order.limit:
-            self._task.stop(Message("it takes longer than {limit:.0f} s", limit=self._order.limit))
+            self._why_ended = Message("it takes longer than {limit:.0f} s", limit=self._order.limit)
+            self._task.stop(self._why_ended)
 
     def _after_step(self, run: StepRun, outcome: Outcome) -> None:
         """Notes how a step went; one that shows something to be impossible ends the play."""
@@ -244,8 +246,8 @@ class _Player:
         """Returns why the goal was not reached, as the task says or as the world shows."""
         if report.reached:
             return ""
-        if self._found:
-            return self._found[0].reason
+        if self._found or self._why_ended:
+            return self._found[0].reason if self._found else self._why_ended
         missing = [c for c in report.conditions if not (c.believed if c.true is None else c.true)]
         said = (c.reason or Message("{condition} is believed, but not so", condition=c.condition) for c in missing)
         return joined("; ", dict.fromkeys(said)) or report.fault or Message("stopped before it was reached")
