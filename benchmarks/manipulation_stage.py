@@ -155,7 +155,8 @@ class Stage(AbstractContextManager["Stage"]):
             self.shots.append((caption, self._picture()))
 
     def _picture(self) -> Pending[Any]:
-        view = over_the_shoulder(self.truth.base_pose("base_1"))
+        robot = self.session.spec.robots[0]
+        view = over_the_shoulder(self.truth.base_pose(robot.carrier.id) if robot.carrier else robot.place)
         return self.session.simulation.picture(*view, width=WIDTH, height=HEIGHT)
 
     def fixed(self) -> list[str]:

@@ -4,8 +4,8 @@
 
 Each robot takes parts of at least five types from a pallet with clutter, and puts them into a kit; where these stand,
 what the parts are, what they weigh and how slippery the fingers are is drawn from the seed of a scene, and judged by
-the simulator's truth. ``--half`` is for one half of the ranges only. Without ``--robot``, cameras are calibrated: from
-pictures of a printed board.
+the simulator's truth. ``--half`` is for one half of the ranges only; with ``--pictures`` there are pictures of each
+miss. Without ``--robot``, cameras are calibrated: from pictures of a printed board.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from skiros_py.perception.calibration import SeenCorners, solve
 from skiros_py.ports.calibration import CalibrationResult, MarkerBoard
 from skiros_py.ports.simulation import Surface
 from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.recording.pictures import contact_sheet
 from skiros_py.system import default_simulation
 
 _SEEDS = 20
@@ -119,7 +120,7 @@ def calibration() -> list[Figure]:
     ]
 
 
-ROBOTS = {"mobile_panda": False, "mobile_iiwa": False, "ur10e_cell": True}
+ROBOTS = {"mobile_panda": False, "mobile_iiwa": False, "mobile_fanuc": False, "ur10e_cell": True}
 """Whether nothing moves a robot, by its name."""
 _IN_A_KIT = 4
 _FRICTION = 0.6, 1.0
@@ -148,29 +149,36 @@ class Pallet(Campaign):
         (body,) = stage.session.simulation.scene.robots
         for gripper in stage.session.spec.robots[0].of(GripperSpec):
             body.model.joints(gripper.joints).set_surface(Surface(lateral=friction, anchored=True))
-        stage.pursue(stage.scene.goals)
-        return {"friction": friction}
+        report = stage.pursue(stage.scene.goals)
+        return {"friction": friction, "time": report.simulated}
 
     def figures(self, trials: Sequence[Trial]) -> list[Figure]:
         """Returns the share of parts that are in the kit, at the first try and after all."""
         first = [right for trial in trials for right in trial.first]
-        shown = f"{sum(first)} of {len(first)}, {100.0 * sum(first) / max(1, len(first)):.1f} %"
-        figures = [conditions(trials, 99.0), Figure("parts without a failed step", shown), honest(trials)]
+        shown = f"{sum(first)} of {len(first)} without a failed step, {100.0 * sum(first) / max(1, len(first)):.1f} %"
+        times = [trial.facts["time"] / len(trial.scene.goals) for trial in trials]
+        figures = [replace(conditions(trials, 99.0), compared=shown), honest(trials)]
         figures.append(share("scenes without a hit", [not trial.hits for trial in trials], 100.0))
+        figures.append(Figure("simulated time for a part", f"median {np.median(times or math.nan):.1f} s"))
         return [replace(figure, what=f"{self.robot}: {figure.what}") for figure in figures]
 
 
-def trials_of(campaign: Pallet, picks: int, seeds: Iterator[int], engine: str) -> Iterator[Trial]:
-    """Runs scenes until a robot was to pick and place so many parts; says how each went."""
+def trials_of(
+    campaign: Pallet, picks: int, seeds: Iterator[int], engine: str, pictures: Path | None
+) -> Iterator[Trial]:
+    """Runs scenes until a robot was to pick and place so many parts; says how each went, with pictures of misses."""
     while picks > 0:
         scene = campaign.scene(next(seeds))
         scene = replace(scene, goals=scene.goals[: min(picks, _IN_A_KIT)])
         picks -= len(scene.goals)
         with tempfile.TemporaryDirectory(prefix="skiros-campaign-") as folder:
-            trial = campaign.trial(scene, Path(folder), simulation=engine)
+            trial = campaign.trial(scene, Path(folder), pictures=pictures is not None, simulation=engine)
         print(f"{scene.name} ({scene.kind}, {engine}): {'MISS' if trial.misses else 'as wanted'}", file=sys.stderr)
         for miss in trial.misses:
             print(f"  {miss}", flush=True)
+        if pictures is not None and trial.misses:
+            pictures.mkdir(parents=True, exist_ok=True)
+            contact_sheet(trial.pictures).save(pictures / f"{scene.name}_{engine}.png")
         yield trial
 
 
@@ -181,6 +189,7 @@ def main() -> int:
     parser.add_argument("--picks", type=int, default=100, help="parts that each robot is to pick and place")
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--half", choices=("odd", "even", "both"), default="both", help="seeds that are taken")
+    parser.add_argument("--pictures", type=Path, help="folder for pictures of the misses")
     parser.add_argument("--simulation", default=default_simulation(), help="engine that simulates")
     arguments = parser.parse_args()
     if not arguments.robot:
@@ -191,7 +200,7 @@ def main() -> int:
         campaign, trials = Pallet(robot), list[Trial]()
         seeds = (seed for seed in count(arguments.first) if seed % 2 in parities)
         with suppress(KeyboardInterrupt):
-            trials.extend(trials_of(campaign, arguments.picks, seeds, arguments.simulation))
+            trials.extend(trials_of(campaign, arguments.picks, seeds, arguments.simulation, arguments.pictures))
         tried = sum(len(trial.scene.goals) for trial in trials)
         figures += campaign.figures(trials)
         wanted = f"{arguments.picks}"

@@ -16,7 +16,7 @@ from skiros_py.errors import SkirosError
 from skiros_py.skills.parameters import Param, params_of
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("src", "primitives/src", "skills/src", "robots/src")
+SOURCES = ("src", "primitives/src", "skills/src", "robots/src", "systems/uav/src")
 GERMAN = json.loads((ROOT / "web/src/i18n/de/server.json").read_text())
 ERRORS = {name for name, class_ in vars(errors).items() if getattr(class_, "__init__", None) is SkirosError.__init__}
 """Classes of errors that make a message of a template and values."""

@@ -19,14 +19,16 @@ def test_a_plan_of_a_cell_has_no_drive() -> None:
     assert {step.skill for step in report.steps} == {"pick", "place"}
 
 
-def test_what_is_beyond_the_reach_of_a_cell_is_not_planned() -> None:
+@pytest.mark.parametrize("place", ["pallet_a", "kit_1"])
+def test_what_is_beyond_the_reach_of_a_cell_is_not_planned_and_the_figures_are_said(place: str) -> None:
     with Session("kitting_cell", Options(fake=True)) as session:
         with session.world.transaction("test", "moved away") as tx:
-            write_pose(tx, "pallet_a", Pose((0.0, 1.6, 0.0)))
+            write_pose(tx, place, Pose((0.0, 1.6, 0.0)))
         report = session.run([GOAL])
 
     assert not report.reached
     assert report.steps == ()
+    assert f"{place} is 1.60 m from robot_1, which reaches 1.15 m" in report.conditions[0].reason
 
 
 @pytest.mark.parametrize("scene", ["kitting", "kitting_two", "kitting_carried"])

@@ -35,6 +35,7 @@ _ADDRESS = re.compile(r"http://127\.0\.0\.1:8000|(?<!/)localhost:8000")
 ELSEWHERE = {
     "install.md": ".ci/run runs it word for word",
     "first-skill.md": "test_tutorial.py",
+    "robot.md": "test_robot_from_urdf.py",
     "start-a-package.md": "it installs into the environment; test_scaffold.py runs such packages",
     "benchmarks.md": "each takes minutes",
     "CONTRIBUTING.md": "it runs all tests",

@@ -119,14 +119,15 @@ def test_the_explanation_of_a_full_kit_names_all_its_compartments() -> None:
     assert cause.text.endswith(heart)
 
 
-def test_no_manual_repair_is_offered_if_the_conditions_exclude_each_other() -> None:
+def test_of_conditions_that_exclude_each_other_every_repair_gives_one_up() -> None:
     with kitting([("base_1",)]) as session:
         one = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a)")
         both = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a) and ObjectAtLocation(relay_box_2, kit_1_a)")
 
-    assert [repair.text for repair in one.repairs] == ["see to it that a Robot is at a Kit"]
+    assert [repair.text for repair in one.repairs] == ["put kit_1 on deck_1 and put robot_1 at pallet_a"]
     assert "kit_1_a takes one relay box only" in both.reasons[0]
-    assert both.repairs == ()
+    assert both.repairs
+    assert all(repair.without for repair in both.repairs)
 
 
 def test_two_robots_at_one_docking_place_are_explained_by_its_room_for_one_robot() -> None:

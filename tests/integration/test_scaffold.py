@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.installed_package import install
 
 from skiros_py.cli.main import main
 from skiros_py.plugins.loading import find_plugin
@@ -210,20 +211,6 @@ def test_a_package_can_be_named_src(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     draft.write()
 
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
-
-
-def install(package: Path, site: Path) -> None:
-    """Leaves behind what pip would for the entry points of a package."""
-    project = tomllib.loads((package / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = site / "my_scanning-0.1.0.dist-info"
-    info.mkdir(parents=True)
-    needs = "".join(f"Requires-Dist: {need}\n" for need in project["dependencies"])
-    head = f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n{needs}"
-    (info / "METADATA").write_text(head, encoding="utf-8")
-    groups = (
-        f"[{g}]\n" + "".join(f"{k} = {v}\n" for k, v in own.items()) for g, own in project["entry-points"].items()
-    )
-    (info / "entry_points.txt").write_text("\n".join(groups), encoding="utf-8")
 
 
 def test_a_generated_robot_equals_the_shipped_one_except_for_names(package: Path, skiros: Skiros) -> None:

@@ -11,7 +11,7 @@ from skiros_primitives.contact import ContactWatch
 from skiros_py.devices.arm import ArmState
 from skiros_py.devices.mobile_base import BaseState
 from skiros_py.geometry import Array, Pose
-from skiros_py.ports.kinematics import JointMotion
+from skiros_py.ports.kinematics import JointMotion, JointRange
 
 INERTIA, LEVER, PERIOD = 2.0, 10.0, 0.005
 
@@ -20,11 +20,11 @@ class Robot:
     """What ContactWatch asks for: an arm of one joint, which the base loads when it speeds up."""
 
     id = tip = "arm"
-    joints = ("joint",)
     parents: dict[str, str] = {}  # noqa: RUF012 - a link on the base
 
-    def __init__(self, braking: float) -> None:
+    def __init__(self, braking: float, *, effort: float = 87.0) -> None:
         self.braking = braking
+        self.joints = {"joint": JointRange(None, None, None, effort)}  # names for the arm, ranges for its kinematics
         self.speed = 0.4
         self.moving = 0.0
         self.exerted = 0.0
@@ -97,3 +97,9 @@ def test_what_an_arm_meets_is_felt_while_its_base_brakes() -> None:
 def test_an_arm_that_swings_as_its_base_is_knocked_has_met_nothing() -> None:
     assert not Robot(0.5).felt(pushed=6.0, knocked=True, cycles=30)
     assert Robot(0.5).felt(pushed=6.0, knocked=True, cycles=50), "what presses on afterwards is felt"
+
+
+def test_a_joint_feels_from_1_percent_of_what_it_exerts_on_but_a_weak_one_from_4() -> None:
+    assert [Robot(0.0, effort=12.0).felt(pushed=push) for push in (3.9, 4.1)] == [False, True]
+    assert [Robot(0.0, effort=400.0).felt(pushed=push) for push in (3.9, 4.1)] == [False, True]
+    assert [Robot(0.0, effort=3000.0).felt(pushed=push) for push in (29.0, 31.0)] == [False, True]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -57,7 +58,12 @@ class Hand:
 
     @property
     def state(self) -> Any:
-        return SimpleNamespace(positions=tuple(self.at.tolist()), still=True)
+        speed = (self.at - self.way[-2]) / PERIOD if self.cycles else np.zeros(6)
+        return SimpleNamespace(positions=tuple(self.at.tolist()), velocities=tuple(speed.tolist()), still=True)
+
+    @property
+    def time(self) -> float:
+        return self.cycles * PERIOD
 
     def command(self, target: ArmTarget) -> None:
         self.at = np.array(target.positions)
@@ -186,3 +192,27 @@ def test_a_motion_that_begins_elsewhere_comes_to_its_own_way_without_a_jump() ->
     assert moved.positions[-1] == pytest.approx(0.5)
     assert np.abs(np.diff(moved.positions[:, 0])).max() < 0.006
     assert np.gradient(moved.positions[:, 0], PERIOD)[1:-1] == pytest.approx(moved.velocities[1:-1, 0], abs=1e-3)
+
+
+def test_a_heavy_hand_that_speeds_up_is_pushed_by_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    held, hand, before = 2.0, Hand(0.0, 0.0), [0.0, 0.0]
+    heavy = replace(SENSOR, mass=5.0, centre=(0.0, 0.0, 0.05))
+    monkeypatch.setattr(hand, "devices", {"sensor_1": heavy})
+
+    def says() -> ForceTorqueState:
+        """It feels the weight of what is held, and what its own mass and that take to be sped up."""
+        down = (heavy.mass + held) * (before[1] - before[0]) / PERIOD
+        return ForceTorqueState((0.0, 0.0, hand.force()[2] - down - held * 9.81))
+
+    hand.says = says  # type: ignore[method-assign]
+    force = HandForce(hand.context, hand, heavy)  # type: ignore[arg-type]
+    run(force.weigh())
+    felt = []
+    for cycle in range(40):
+        before = [before[1], -1.5 * PERIOD * min(cycle, 10)]
+        below = hand.at + np.array([0.0, 0.0, before[1] * PERIOD, 0.0, 0.0, 0.0])
+        hand.command(ArmTarget(tuple(below.tolist()), (0.0,) * 6))
+        felt.append(float(force.push()[2]))
+
+    assert hand.at[2] < WALL, "it came down into the opening"
+    assert np.abs(felt).max() < 0.5

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import deque
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +13,7 @@ import pytest
 from skiros_primitives.looking import LookingParams, LookingPrimitive, looks_into
 from skiros_primitives.part_models import downward
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.motion import Held
+from skiros_py.ports.motion import Held, NoMotion, Obstacle
 from skiros_py.skills.context import Tried
 from skiros_py.skills.outcome import Execution, Outcome, Success
 
@@ -87,6 +89,39 @@ def test_a_camera_that_is_where_it_should_be_need_not_move() -> None:
     assert Looking(there).from_where([0, 2, 3]) is None
     assert Looking(Pose((0.03, 0.0, 0.0)) @ there).from_where([1]) is None
     assert Looking(there @ Pose.of(0.0, 0.0, 0.0, roll=math.radians(5.0))).from_where([1]) is None
+
+
+class Stuck(Looking):
+    """One whose arm finds no way; it notes which spaces it was to keep out of."""
+
+    base_pose = Pose()
+
+    def carries(self, camera: str) -> bool:
+        return True
+
+    def plan(self, routes: Any, *, unseen: Sequence[Obstacle] = (), **_others: Any) -> Execution[NoMotion]:  # type: ignore[override]
+        self.avoided.append(tuple(unseen))
+        yield
+        return NoMotion("no way")
+
+    def look(self) -> list[tuple[Obstacle, ...]]:
+        self.avoided: list[tuple[Obstacle, ...]] = []
+        deque(self.look_down(POINT), maxlen=0)
+        return self.avoided
+
+
+def test_the_arm_goes_where_unseen_parts_may_be_only_where_there_is_no_other_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    space = Obstacle("pallet_a", Solid.box(0.4, 0.4, 0.1), Pose())
+    monkeypatch.setattr("skiros_primitives.looking.obstacles", lambda *_, **__: ())
+    monkeypatch.setattr("skiros_primitives.looking.unlocated", lambda *_: iter([space]))
+    unseen = Stuck().look()
+    monkeypatch.setattr("skiros_primitives.looking.unlocated", lambda *_: iter([]))
+    seen = Stuck().look()
+
+    assert set(seen) == {()}
+    assert unseen == [(space,)] * len(seen) + seen
 
 
 PLACE = Pose.of(1.0, 0.5, 0.8, yaw=0.7)

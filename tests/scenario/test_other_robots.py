@@ -21,6 +21,15 @@ def test_an_iiwa_on_an_omnidirectional_base_puts_a_part_into_the_kit(open_sessio
     assert report.reached
 
 
+def test_a_fanuc_on_a_heavy_base_puts_a_part_into_the_kit(open_session, engine):
+    session = open_session("kitting_fanuc", seed=3, simulation=engine)
+
+    report = session.run(["ObjectAtLocation(Alternator, kit_1_b)"])
+
+    assert [(condition.believed, condition.true) for condition in report.conditions] == [(True, True)]
+    assert report.reached
+
+
 def test_from_pallet_to_pallet_it_glides_and_docks_within_5_mm_and_half_a_degree(open_session, engine):
     session, sideways = open_session("kitting_iiwa", seed=4, simulation=engine), []
     board, truth = session.cycle.board, Truth(session.simulation)

@@ -174,6 +174,7 @@ class ArmPrimitive(SeeingPrimitive):
         speed: float = 1.0,
         base: Pose | None = None,
         shares: tuple[float, ...] = SHARES,
+        unseen: Sequence[Obstacle] = (),
     ) -> Execution[MotionPlan | NoMotion]:
         """Plans the best of several routes from the arm's current position and reserves the floor below it.
 
@@ -184,6 +185,7 @@ class ArmPrimitive(SeeingPrimitive):
             speed: Share of the joint speed limits to use, 0 to 1.
             base: Where the base will be in the map; left out: where it is.
             shares: Shares of the errors of where things are to keep away by, the best first.
+            unseen: Spaces to keep out of, because something may be there.
         """
         deadline = self.context.now + _COURTESY
         felt = [one.id for one in self._around() if self.context.tried.options[_felt(one.id), 0]]
@@ -191,7 +193,7 @@ class ArmPrimitive(SeeingPrimitive):
             yield from self._look_again(felt)
         while True:
             before = driving(self.context, self.robot.id)
-            planned = yield from self._planned(routes, speed, base=base, shares=shares)
+            planned = yield from self._planned(routes, speed, base=base, shares=shares, unseen=unseen)
             if isinstance(planned, NoMotion):
                 met = {thing for one in planned.refusals for thing, _ in one.touches}
                 if base is None and (yield from self._look_again(met)):
@@ -251,6 +253,7 @@ class ArmPrimitive(SeeingPrimitive):
         base: Pose | None = None,
         start: tuple[float, ...] | None = None,
         shares: tuple[float, ...] = SHARES,
+        unseen: Sequence[Obstacle] = (),
     ) -> Execution[MotionPlan | NoMotion]:
         held, around, version = self.held(), self._around(), self.world.version
         seen = self.show_pictures(around)
@@ -262,7 +265,7 @@ class ArmPrimitive(SeeingPrimitive):
             start=self.arm.state.positions if start is None else start,
             base=base or self.base_pose,
             routes=tuple(routes),
-            obstacles=(*around, *others, *self.context.pictures.unknown_to(self.robot.id)),
+            obstacles=(*around, *others, *self.context.pictures.unknown_to(self.robot.id), *unseen),
             held=held,
             gap=self._gap(held),
             speed=speed,

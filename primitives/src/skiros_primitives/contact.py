@@ -28,11 +28,13 @@ from skiros_py.world.poses import write_pose
 from skiros_py.world.world import World
 
 TOLERANCE = 4.0
-"""Residual that still counts as friction and noise [N m]."""
+"""Residual that still counts as friction and noise, in a joint of up to ``_STRENGTH`` [N m]."""
 GENTLE = 1.5
 """The same in slow motions that end where the arm is to touch something [N m]."""
+_STRENGTH = 400.0
+"""What a joint can exert up to which these hold; in a stronger one, friction and noise grow with it [N m]."""
 _TRACE = 1.0
-"""Residual from which a joint counts as loaded when the place of a contact is estimated [N m]."""
+"""Residual from which such a joint counts as loaded when the place of a contact is estimated [N m]."""
 _GRAVITY = 9.81
 _CERTAIN = 2.0
 """Times the tolerance that is a contact at once, without a load; less has to be felt in two cycles in a row."""
@@ -47,7 +49,7 @@ class Touch:
     """A contact.
 
     Attributes:
-        effort: Greatest residual of a joint [N m].
+        effort: Residual of the joint that feels it most [N m].
         link: The link that is touched, as far as known.
         point: Where about, in the frame of the base [m] ...
         end: ... or between there and here.
@@ -147,13 +149,18 @@ class WholeMotion:
 class ContactWatch:
     """Watches one motion of an arm, which begins at rest; to be asked once per cycle.
 
+    What counts as a contact is told by each joint for itself: 4 N m, or 1 % of what a stronger joint can exert. The
+    force behind it depends on where it acts: 4 N m are 4 N at 1 m from the axis. An arm whose first joints exert
+    3000 N m feels there from 30 N m on: at its tip, 1.8 m away, 17 N.
+
     The load is weighed at the start: it is the force at the tip that explains best what the joints exert there. A
     contact that is there already may become weaker, but not stronger. While the base drives, the next cycle counts as
     the start: before it, nothing says whether the base speeds up.
 
     Attributes:
         weight: What the arm carries at its tip [N].
-        tolerance: Residual that is no contact yet; less for slow motions that shall feel more [N m].
+        tolerance: Residual that is no contact yet, in a joint that is not stronger than usual; less for slow motions
+            that shall feel more [N m].
 
     Args:
         context: The run.
@@ -172,6 +179,8 @@ class ContactWatch:
         self._expected, self.tolerance = expected, tolerance
         self._motion = WholeMotion(context, context.cell.group_of(arm.id))
         self._own = [self._motion.joints.index(joint) for joint in arm.spec.joints]
+        strengths = [self._kinematics.joints[joint].effort or 0.0 for joint in arm.spec.joints]
+        self._scale = np.maximum(1.0, np.array(strengths) / _STRENGTH)  # how much more each joint feels by error
         self.weight = 0.0
         self._swings = 0.0
         self._residual = np.zeros(len(arm.spec.joints))  # in the last cycle
@@ -189,7 +198,7 @@ class ContactWatch:
     @property
     def touches_at_start(self) -> bool:
         """True when the arm touches something before it moves."""
-        return self._at_start is not None and bool(self._at_start.max() > self.tolerance)
+        return self._at_start is not None and bool((self._at_start > self.tolerance * self._scale).any())
 
     @classmethod
     def of(
@@ -213,11 +222,13 @@ class ContactWatch:
         residual, before = left - self.weight * lever, self._residual
         self._residual = residual
         size = np.abs(residual)
-        if size.max() <= _CERTAIN * self.tolerance + self.weight * _ARM_LENGTH:
+        if (size <= _CERTAIN * self.tolerance * self._scale + self.weight * _ARM_LENGTH).all():
             # What slips in the fingers is caught in the next cycle: then the joints feel the opposite.
             size = np.minimum(size, np.abs(before)) * (residual * before > 0.0)
         over = size - self._at_start - self._expected * np.abs(lever)
-        return self._touch(state, left, float(over.max())) if over.max() > self.tolerance else None
+        strongest = int(np.argmax(over / self._scale))
+        is_felt = over[strongest] > self.tolerance * self._scale[strongest]
+        return self._touch(state, left, float(over[strongest])) if is_felt else None
 
     def _left(self, motion: JointMotion) -> Array:
         efforts = self._arm.state.efforts
@@ -241,7 +252,7 @@ class ContactWatch:
     def _touch(self, state: ArmState, left: Array, effort: float) -> Touch:
         spec = self._arm.spec
         positions = dict(zip(spec.joints, state.positions, strict=True))
-        loaded = int(np.flatnonzero(np.abs(left) > _TRACE).max(initial=0))
+        loaded = int(np.flatnonzero(np.abs(left) > _TRACE * self._scale).max(initial=0))
         link, jacobian = spec.tip, self._kinematics.jacobian(spec.tip, positions, spec.joints)
         wrist = len(spec.joints) - _WRIST
         first, inner = min(loaded, wrist), jacobian
@@ -270,6 +281,9 @@ _WEIGHED = 10
 class HandForce:
     """What pushes the hand of an arm besides what it holds, by a force-torque sensor; to be asked once per cycle.
 
+    A hand that speeds up downwards feels as light as one that is pushed up: what its mass and that of what it holds
+    need to be sped up is taken off.
+
     Args:
         context: The run.
         arm: The arm.
@@ -280,9 +294,11 @@ class HandForce:
         self._kinematics = context.port(Kinematics, arm.id)
         self._arm, self._spec = arm, sensor
         self._sensor = DeviceHandle[ForceTorqueSpec, ForceTorqueState, None](context.board, sensor.id)
+        self._board = context.board
         self._recent: deque[Array] = deque(maxlen=_MEAN)
         self._held = np.zeros(6)
         self._height = 0.0  # of the tip above the sensor
+        self._asked, self._speed = -np.inf, np.zeros(3)  # when, and how fast the sensor moved then
 
     @classmethod
     def of(cls, context: RunContext, arm: Arm) -> HandForce | None:
@@ -319,7 +335,14 @@ class HandForce:
         Raises:
             DeviceError: The sensor does not answer.
         """
-        self._recent.append(self._now() - self._held)
+        now = self._board.snapshot.time
+        if now > self._asked:
+            joints = self._arm.spec.joints
+            jacobian = self._axes() @ self._kinematics.jacobian(self._spec.frame, self._positions(), joints)[:3]
+            speed = jacobian @ np.asarray(self._arm.state.velocities)
+            gained = (speed - self._speed) / (now - self._asked)
+            self._asked, self._speed = now, speed
+            self._recent.append(self._now() - self._held + self._to_speed_up(gained))
         return np.asarray(np.mean(self._recent, axis=0)[:3])
 
     def pressed_at(self) -> Array:
@@ -328,9 +351,16 @@ class HandForce:
         return np.asarray(np.array([self._height * fx - ty, self._height * fy + tx]) / max(1.0, fz))
 
     def _now(self) -> Array:
-        positions, state = self._positions(), self._sensor.state
-        turn = rotation_matrix(self._kinematics.pose(self._spec.frame, positions).orientation)
+        turn, state = self._axes(), self._sensor.state
         return np.concatenate([turn @ state.force, turn @ state.torque])
+
+    def _to_speed_up(self, gained: Array) -> Array:
+        """Returns force and moment of an acceleration [m/s²]; what is held counts as in the middle of the hand."""
+        force = (self._spec.mass + max(0.0, -float(self._held[2])) / _GRAVITY) * gained
+        return np.concatenate([force, np.cross(self._axes() @ self._spec.centre, force)])
+
+    def _axes(self) -> Array:
+        return rotation_matrix(self._kinematics.pose(self._spec.frame, self._positions()).orientation)
 
     def _positions(self) -> dict[str, float]:
         return dict(zip(self._arm.spec.joints, self._arm.state.positions, strict=True))

@@ -126,10 +126,11 @@ def reaches_over(context: RunContext, robot: RobotSpec, arm: str, posture: Seque
     """
     things = [one for one in obstacles(context, parts=False) if not rides(context, one.id, robot)]
     things += chain.from_iterable(context.pictures.unknown.values())
+    lowest, highest = (end(pose.position[2] for pose in poses) for end in (min, max))  # a robot may fly
     for layer in shape(context, robot, {arm: posture})[1:]:
         area = shapely.union_all(swept(layer.outline, (poses[0], *poses)))
-        bottom = layer.bottom - _PARTS
-        if any(shapely.dwithin(floor_area(one.solid, one.pose, bottom, layer.top), area, _APART) for one in things):
+        bottom, top = layer.bottom + lowest - _PARTS, layer.top + highest
+        if any(shapely.dwithin(floor_area(one.solid, one.pose, bottom, top), area, _APART) for one in things):
             return True
     return False
 

@@ -12,6 +12,7 @@ from skiros_primitives.arm_moves import ArmPrimitive, further, refused
 from skiros_primitives.camera_check import compare, is_due, is_turned
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
+from skiros_primitives.views import unlocated
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError
@@ -35,7 +36,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.pictures import Sighting
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
@@ -115,12 +116,14 @@ class LookingPrimitive(ArmPrimitive):
             return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
-        choices = product(SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
-        for share, height, views in choices:  # rather lower than nearer to things
+        unseen = tuple(unlocated(self.context, obstacles(self.context, parts=False)))
+        spaces = (unseen, ()) if unseen else ((),)
+        choices = product(spaces, SHARES, _LOOK_HEIGHTS, filter(None, self._sides(point, base, shown)))
+        for space, share, height, views in choices:  # rather lower than nearer to things, or where some may be
             view, stuck = None if aside else self._looks_from(point, height, base, views), None
             if view is None:
                 routes = self._routes(point, height, base, views, aside=aside)
-                planned = yield from self.plan(routes, shares=(share,))
+                planned = yield from self.plan(routes, shares=(share,), unseen=space)
                 stuck = planned if isinstance(planned, NoMotion) else (yield from self.follow_plan(planned))
                 view = views[planned.route] if isinstance(planned, MotionPlan) else None
             if view is not None and stuck is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -66,14 +66,22 @@ def depth_view(context: RunContext, arm: str, image: DepthImage, camera: str, ar
     cx, cy = k.cx / _STRIDE, k.cy / _STRIDE
     intrinsics = replace(k, width=width, height=height, fx=k.fx / _STRIDE, fy=k.fy / _STRIDE, cx=cx, cy=cy)
     own, camera_pose = context.cell.group_of(arm), tree.located(camera)
-    near = (one for one in around if math.dist(one.pose.position, camera_pose.position) < _NEAR)
-    known = (*around, *(block for one in near if (block := _unlocated(context, one.id)) is not None))
+    near = [one for one in around if math.dist(one.pose.position, camera_pose.position) < _NEAR]
+    known = (*around, *unlocated(context, near))
     moving = tuple(
         replace(one, error=0.0 if robot is own else _APART)
         for robot in context.cell.robots
         for one in _robot(context, robot, tree)
     )
     return DepthView(arm, depth, intrinsics, camera_pose, image.snapshot.time, known, moving)
+
+
+def unlocated(context: RunContext, places: Iterable[Obstacle]) -> Iterator[Obstacle]:
+    """Yields the space on places in which things may be that were put there and not been seen yet."""
+    for place in places:
+        block = _unlocated(context, place.id)
+        if block is not None:
+            yield block
 
 
 def _unlocated(context: RunContext, place: str) -> Obstacle | None:

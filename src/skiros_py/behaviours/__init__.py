@@ -12,6 +12,7 @@ from skiros_py.behaviours.parallel import Parallel, Policy
 from skiros_py.behaviours.repeat import Repeat
 from skiros_py.behaviours.retry import Retry
 from skiros_py.behaviours.sequence import Sequence
+from skiros_py.behaviours.start import Start
 from skiros_py.behaviours.timeout import Timeout
 from skiros_py.behaviours.wait import Wait
 from skiros_py.behaviours.wait_until import WaitUntil
@@ -40,6 +41,7 @@ __all__ = [
     "Review",
     "Scope",
     "Sequence",
+    "Start",
     "Timeout",
     "Uses",
     "Wait",

@@ -39,7 +39,7 @@ class Do(Behaviour):
     @property
     def title(self) -> str:
         """The call as people write it."""
-        return f"{self.module}({', '.join(f'{key}={_shown(value)}' for key, value in self.arguments.items())})"
+        return written(self)
 
     def uses(self) -> Uses:
         """Its call, and the parameters that it passes on."""
@@ -51,6 +51,11 @@ class Do(Behaviour):
     def run(self, scope: Scope) -> Execution[Outcome]:
         """Runs the module to its end."""
         return scope.call(Call(self.module, self.arguments))
+
+
+def written(call: Do) -> str:
+    """Returns a call as people write it."""
+    return f"{call.module}({', '.join(f'{key}={_shown(value)}' for key, value in call.arguments.items())})"
 
 
 def _shown(value: object) -> object:

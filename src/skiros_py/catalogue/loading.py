@@ -44,6 +44,7 @@ from skiros_py.tasks.goals.forms import Word, read
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoner, Reasoners, load_reasoners
 from skiros_py.world.scene.files import documents_of
+from skiros_py.world.vocabulary import REFINED_SKILLS
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,7 +347,15 @@ def _problems(
     catalogue: Catalogue, skill: Skill, beside: Iterable[Skill], ontology: Ontology, reasoners: Reasoners
 ) -> tuple[str, ...]:
     broken = tuple(_broken_calls(catalogue, skill))
-    return broken or problems_of(skill, ontology, catalogue.primitives, reasoners, tuple(beside))
+    broken = broken or problems_of(skill, ontology, catalogue.primitives, reasoners, tuple(beside))
+    return broken or tuple(_not_refined(skill.description, ontology))
+
+
+def _not_refined(description: SkillDescription, ontology: Ontology) -> Iterator[str]:
+    """Yields why agents would have the skill that this one refines, too, as it is."""
+    class_, general = description.agent_class, description.refines
+    if general and general not in str(ontology.class_value(class_, REFINED_SKILLS) or "").split():
+        yield f"it refines '{general}', so the ontology must say of {class_}: sk:refinedSkills \"{general}\""
 
 
 def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> PluginFault:

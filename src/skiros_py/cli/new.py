@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import Field, fields
+from dataclasses import Field, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from skiros_py.scaffold.orders import (
     NewScene,
     NewSkill,
     Order,
+    is_urdf,
 )
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ def _addition(kind: str, order: type[Order]) -> Any:
 
         if sys.stdin.isatty() and not any(all(given[name] for name in names) for names in order.enough):
             _ask(order, given)
+        if kind == "robot" and is_urdf(given["name"]):
+            return _robot_from_urdf(NewRobot(**given), dry_run=dry_run)
         make = getattr(import_module(f"skiros_py.scaffold.{kind}"), f"draft_{kind}")
         with knowledge_of(Project.around(Path.cwd())) as known:
             draft: Draft = make(known, order(**given))
@@ -67,6 +70,26 @@ def _addition(kind: str, order: type[Order]) -> Any:
         return _found(draft, steps, dry_run=dry_run)
 
     return add
+
+
+def _robot_from_urdf(said: NewRobot, *, dry_run: bool) -> Found:
+    """Writes a robot from a URDF; what it does not tell is asked for on a terminal."""
+    from skiros_py.scaffold.robot import draft_from_urdf
+    from skiros_py.scaffold.robot_model import Undecided
+
+    while True:
+        try:
+            draft = draft_from_urdf(Path.cwd(), said)
+            break
+        except Undecided as missing:
+            if not sys.stdin.isatty():
+                raise
+            answer = click.prompt(missing.question, err=True)
+            said = replace(said, arm=answer) if missing.option == "arm" else replace(said, gripper=answer)
+    draft.check() if dry_run else draft.write()
+    scene = next(Path(path).stem for path in draft.new if "/scenes/" in path and path.endswith(".ttl"))
+    steps = [f"cd {draft.root}"] if draft.root != Path.cwd() else []
+    return _found(draft, [*steps, "pip install -e '.[test]'", "pytest", f"skiros run {scene}"], dry_run=dry_run)
 
 
 def _add_command(order: type[Order]) -> None:
@@ -112,7 +135,7 @@ def _found(draft: Draft, steps: Sequence[str], *, dry_run: bool) -> Found:
         lines += ["next:", *(f"    {step}" for step in steps)]
     found = {
         "folder": draft.root,
-        "new": list(draft.new),
+        "new": [*draft.new, *draft.copied],
         "changed": list(draft.changed),
         "notes": draft.notes,
         "next": steps,
@@ -126,7 +149,7 @@ def _tree(draft: Draft) -> list[str]:
 
     tree = Tree(str(draft.root))
     nodes = {Path(): tree}
-    for path in sorted((*draft.new, *draft.changed)):
+    for path in sorted((*draft.new, *draft.changed, *draft.copied)):
         for part in (*reversed(Path(path).parents), Path(path)):
             if part not in nodes:
                 mark = " (changed)" if str(part) in draft.changed else ""

@@ -21,6 +21,8 @@ _GAIN = 0.3
 _BRAKING = 7.5
 """Joint deceleration when commands cease [rad/s²]: the weakest joint limit of the Panda."""
 _STILL = 0.01  # [rad/s]
+_EXACT = 1e-6
+"""What a description may be beyond a limit by rounding [rad]."""
 _BENT = 0.02
 """Distance of each joint from the end of a motion at which the arm has arrived, for displays [rad]."""
 _MOST_POSES = 60
@@ -199,11 +201,19 @@ class SimulatedArm:
         self._joints = robot.joints(spec.joints)
         self._lower, self._upper, efforts, self._speeds = self._joints.limits
         self._most_effort = efforts.tolist()
+        self._require_home()
         self._period = robot.engine.period
         self._reference: Array = np.array(spec.home, dtype=float)
         self._velocity: Array = np.zeros(len(spec.home))
         self._standstill = Standstill(_STILL)
         self._joints.reset(spec.home)
+
+    def _require_home(self) -> None:
+        spec = self.spec
+        for joint, angle, lower, upper in zip(spec.joints, spec.home, self._lower, self._upper, strict=True):
+            if lower < upper and not lower - _EXACT <= angle <= upper + _EXACT:
+                beyond = f"sk:home has {angle:g} rad for {joint}, which turns from {lower:g} to {upper:g} rad"
+                raise DescriptionError(f"{spec.id}: {beyond}")
 
     @property
     def braking_time(self) -> float:

@@ -11,6 +11,7 @@ from skiros_py.skills.parameters import Kind, Output, Param
 from skiros_py.skills.skill import Skill
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import pieces
+from skiros_py.world.vocabulary import REFINED_SKILLS
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +55,16 @@ class ModuleInfo:
 
 
 def choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:
-    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying."""
+    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying.
+
+    What such a subsystem has in a refined form only is left out, also where no refined form could be loaded.
+    """
     view = context.world
     robot = owner(view, agent) or agent
     there = [view.element(e).type for e in pieces(view, robot)]
+    refined = str(view.ontology.class_value(view.element(agent).type, REFINED_SKILLS) or "").split()
     chosen: dict[str, list[Skill]] = {}
-    for skill in skills:
+    for skill in (one for one in skills if one.description.name not in refined):
         wanted = skill.driver == driver if driver == "fake" else skill.driver in (None, driver)
         equipped = all(any(view.ontology.is_a(t, class_) for t in there) for class_ in skill.requires)
         if wanted and equipped and view.ontology.is_a(view.element(agent).type, skill.description.agent_class):

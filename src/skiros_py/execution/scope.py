@@ -41,6 +41,9 @@ class ModuleRunner(Protocol):
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:
         """Returns the run of a module within a scope; ticked to its end, or closed."""
 
+    def launch(self, module: str, arguments: Mapping[str, Any]) -> None:
+        """Starts a module in the background, unless it runs there already with these arguments."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
@@ -118,6 +121,14 @@ class Scope:
         if isinstance(run, Failure):
             return failed(run)
         return _with_outputs(run, call, self) if call.outputs else run
+
+    def launch(self, call: Call) -> Outcome:
+        """Starts a module that runs on beside the skill, and after it."""
+        values = self._inputs(call)
+        if isinstance(values, Failure):
+            return values
+        started = contained(call.module, lambda: self.modules.launch(call.module, values))
+        return started if isinstance(started, Failure) else Success()
 
     def write(self, name: str, value: Any) -> None:
         """Writes a value that later nodes of the same skill read."""

@@ -117,6 +117,7 @@ class SkillManager:
         self._loader = Loader(cell.primitives, cell.config, cell.cycle.activity)
         self._running: dict[str, RunningModule] = {}
         self._watching: dict[str, Task[Outcome]] = {}
+        self._launched: dict[str, tuple[str, Mapping[str, Any]]] = {}
         self._registration = Registration(cell.context.world, agent)
         self._leave_cycle = cell.cycle.observe(self._attend)
         self._leave_world = cell.context.world.subscribe(self._note_change)
@@ -239,11 +240,13 @@ class SkillManager:
         leaving.join(_PATIENCE)
 
     def watch(self) -> None:
-        """Starts the primitives that watch this subsystem's devices in the background, as far as they do not run.
+        """Starts what runs in the background, as far as it does not run: also what was launched, and then stopped.
 
-        Each runs at most once for each device of its class.
+        A primitive that watches devices runs at most once for each of this subsystem's devices of its class.
         """
+        stopped = [launched for name, launched in self._launched.items() if self._watching[name].aborted]
         self._watching = {name: task for name, task in self._watching.items() if not task.done}
+        self._launched = {name: one for name, one in self._launched.items() if name in self._watching}
         view = self._context.world
         for primitive, cls in sorted(self._cell.primitives.items()):
             for device in view.objects(self.agent, HAS_A) if cls.watches else ():
@@ -251,6 +254,22 @@ class SkillManager:
                 if name not in self._watching and view.ontology.is_a(view.element(device).type, cls.watches or ""):
                     run = self.run(primitive, {"device": device}, self._scope(name))
                     self._watching[name] = self._cycle.start(run, name=name)
+        for module, arguments in stopped:
+            self.launch(module, arguments)
+
+    def launch(self, module: str, arguments: Mapping[str, Any]) -> None:
+        """Starts a module in the background, where it runs until it ends or the manager goes.
+
+        One that runs there already with these arguments stays as it is.
+
+        Raises:
+            UnknownName: There is no such module.
+        """
+        name = f"{module}({', '.join(f'{key}={value}' for key, value in sorted(arguments.items()))})"
+        running = self._watching.get(name)
+        if running is None or running.done:
+            self._launched[name] = (module, arguments)
+            self._watching[name] = self._cycle.start(self.run(module, arguments, self._scope(name)), name=name)
 
     # ------------------------------------------------------------------ running
 

@@ -27,7 +27,7 @@ class TimeLimit:
         limit: How long it may take at most [s]; None for a default that follows from the duration.
 
     Attributes:
-        stalled: True when it has made no progress for long, until it does.
+        stalled: True when it has made no progress for long, until it does; never where it is to have no limit.
     """
 
     def __init__(self, context: RunContext, duration: float | None, limit: float | None) -> None:
@@ -35,6 +35,7 @@ class TimeLimit:
         self._context = context
         self._duration = duration
         self._limit = limit or (inf if duration is None else max(_LEAST, _FACTOR * duration))
+        self._may_stall = limit == inf
         self._longest_stall = _LONGEST_STALL if duration is limit is None else inf
         self._now = context.now
         self._taken = self._idle = 0.0
@@ -56,7 +57,7 @@ class TimeLimit:
             self._idle += passed
         if self._idle > _STALLED and gets_on():
             self.progress()
-        self.stalled = self._idle > _STALLED
+        self.stalled = self._idle > _STALLED and not self._may_stall
         if self._taken > self._limit:
             if self._duration is None:
                 return Message("took longer than {seconds:g} s", seconds=self._limit)

@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -111,6 +111,18 @@ class DeviceModel(Protocol):
 
     def state(self) -> Any:
         """Returns what its sensors say; called once in each cycle, after the period."""
+
+
+@runtime_checkable
+class WiredModel(Protocol):
+    """A model that other devices are connected to, such as the power supply of what moves a robot."""
+
+    def wire(self, models: Mapping[str, Any]) -> None:
+        """Connects it, once, before the first cycle.
+
+        Args:
+            models: The models of all devices of the cell, by id.
+        """
 
 
 @dataclass(slots=True)

@@ -18,7 +18,7 @@ import numpy as np
 from skiros_py.errors import DeviceError, SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.interruptions import Activity, CycleOverrun, limited
-from skiros_py.ports.device import DeviceModel, DeviceSpec, LocalisingSpec, MobileSpec
+from skiros_py.ports.device import DeviceModel, DeviceSpec, LocalisingSpec, MobileSpec, WiredModel
 from skiros_py.ports.device_kinds import load_device_kinds
 from skiros_py.ports.values import Commands
 
@@ -196,6 +196,9 @@ class DeviceModels:
         self._devices = devices
         self._states: dict[str, Any] = {}
         self.contain(KindGuard())
+        for id_, model in models.items():
+            if isinstance(model, WiredModel):
+                limited(partial(described, devices[id_]), _LONGEST, partial(model.wire, models))
 
     def start(self, begin: Callable[[], T]) -> T:
         """Does what begins their use, within a time limit.

@@ -80,11 +80,13 @@ class JointRange:
     Attributes:
         lower, upper: Range [rad or m]; None for a joint that turns without end.
         velocity: Greatest speed [rad/s or m/s]; None where the model states none.
+        effort: What it can exert at most [N m or N]; None where the model states none.
     """
 
     lower: float | None
     upper: float | None
     velocity: float | None
+    effort: float | None = None
 
 
 class Kinematics(Protocol):

@@ -132,12 +132,14 @@ class Draft:
         new: Text of new files, by path below it.
         changed: Text of existing files, by path.
         notes: Notes for the author.
+        copied: Files that are copied, by path.
     """
 
     root: Path
     new: Mapping[str, str] = field(default_factory=dict)
     changed: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    copied: Mapping[str, Path] = field(default_factory=dict)
 
     def check(self) -> None:
         """Checks that everything can be written.
@@ -145,7 +147,7 @@ class Draft:
         Raises:
             UsageError: A file already exists, or there is no folder to write to.
         """
-        there = [path for path in self.new if os.path.lexists(self.root / path)]
+        there = [path for path in (*self.new, *self.copied) if os.path.lexists(self.root / path)]
         if there:
             raise UsageError(f"{', '.join(there)}: there already below {self.root}, and nothing is overwritten")
 
@@ -170,6 +172,8 @@ class Draft:
                 return
             for path, text in self.new.items():
                 _write_new(self.root / path, text, written)
+            for path, file in self.copied.items():
+                _write_new(self.root / path, file.read_bytes(), written)
             for path, text in self.changed.items():
                 write_atomically(self.root / path, text)
         except BaseException as error:
@@ -179,13 +183,13 @@ class Draft:
             raise
 
 
-def _write_new(path: Path, text: str, written: list[Path]) -> None:
+def _write_new(path: Path, content: str | bytes, written: list[Path]) -> None:
     for folder in reversed([f for f in path.parents if not f.exists()]):
         folder.mkdir()
         written.append(folder)
-    with path.open("x", encoding="utf-8") as file:
+    with path.open("xb") as file:
         written.append(path)
-        file.write(text)
+        file.write(content.encode() if isinstance(content, str) else content)
 
 
 def _undo(written: list[Path]) -> None:

@@ -33,6 +33,11 @@ def _options(flag: str, metavar: str, help_: str, such_as: str = "") -> Any:
     return _option(flag, metavar, help_, such_as, ())
 
 
+def is_urdf(name: str) -> bool:
+    """Returns whether a robot is named by a URDF file, or by one in a package ("pybullet_data:husky/husky.urdf")."""
+    return name.lower().endswith(".urdf") or ":" in name
+
+
 def _robot() -> Any:
     return _option("--robot", "NAME", "The robot there", default="mobile_panda")
 
@@ -146,7 +151,11 @@ class NewOntology(Order):
 
 @dataclass(frozen=True, slots=True)
 class NewRobot(Order):
-    """Writes a robot NAME: the individuals of a mobile manipulator, for scenes to import."""
+    """Writes a robot NAME: the individuals of a mobile manipulator, for scenes to import.
+
+    With a URDF file, or PACKAGE:PATH of an installed package, as NAME: a whole robot on a pedestal, with a scene in
+    which it picks and places; outside of a package, as a distribution of its own. What the file lacks is asked for.
+    """
 
     example = "robot loader --start dock --limit max-linear=0.5"
 
@@ -155,6 +164,12 @@ class NewRobot(Order):
         "--limit", "NAME=VALUE", "max-linear, max-angular, max-gap, max-force, max-linear-acceleration, …"
     )
     model: str = _option("--model", "MODEL", "What drivers build", default="mobile_panda")
+    called: str = _option("--name", "NAME", "Name of a robot from a URDF; derived from it if omitted")
+    arm: str = _option("--arm", "'BASE_LINK TIP_LINK'", "First and last link of its arm; found if omitted")
+    gripper: str = _option(
+        "--gripper", "'LINK LINK'", "Links of its two fingers, or 'parallel' to mount a plain gripper; found if omitted"
+    )
+    srdf: str = _option("--srdf", "FILE", "Its SRDF; one beside the URDF is found")
 
 
 @dataclass(frozen=True, slots=True)

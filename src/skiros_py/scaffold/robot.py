@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.config import scene_names
+from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.plugin import PluginFault
 from skiros_py.ports.kinematics import GROUP
-from skiros_py.scaffold.declared import module_name, sentence, words_of
+from skiros_py.scaffold.declared import constant_name, module_name, sentence, snake_case, words_of
 from skiros_py.scaffold.draft import Draft, render
 from skiros_py.scaffold.orders import NewRobot
-from skiros_py.scaffold.project import Knowledge
+from skiros_py.scaffold.project import Knowledge, Project
+from skiros_py.scaffold.robot_model import RobotDescription, find_urdf, read_srdf
 from skiros_py.world.names import STANDARD_PREFIXES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
@@ -87,3 +92,99 @@ def _limits(said: tuple[str, ...]) -> dict[str, float]:
         if not 0.0 < limits[key] < 1000.0:
             raise UsageError(f"--limit {text}: a number above 0 and below 1000")
     return {key.replace("-", "_"): value for key, value in limits.items()}
+
+
+def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
+    """Writes a robot from a URDF: model, individuals, tests, and a scene in which it picks and places.
+
+    Args:
+        folder: Where the command is called: in a package, which gets the robot, or anywhere, for one of its own.
+        said: The author's options.
+
+    Raises:
+        Undecided: The files do not tell something; its text says which option does.
+        UsageError: An option is not valid, or the robot cannot be used; the text explains why.
+        FileError: A file cannot be read or understood.
+        MissingExtra: The extra "physics" is not installed.
+    """
+    from skiros_py.scaffold.robot_urdf import Composer  # SciPy: not for those who only want help
+
+    file = find_urdf(said.name)
+    model = RobotDescription(file)
+    name = module_name(said.called or snake_case(model.xml.get("name") or file.stem), "--name")
+    if any(entry.name == name for entry in installation().of(GROUP)):
+        raise UsageError(f"there is a robot '{name}' already; choose another by --name")
+    groups, notes = _groups(file, said.srdf, model)
+    arm = model.arm(said.arm, groups)
+    made = Composer(model, arm, model.gripper(arm[-1].child, said.gripper), name).compose()
+    made = replace(made, notes=(*made.notes, *notes))
+    project, skeleton = _project(folder, name, said)
+    package, scene = project.package, f"{name}_cell"
+    if scene in scene_names():
+        raise UsageError(f"there is a scene '{scene}' already; choose another name by --name")
+    at = f"src/{package}/robots/{name}"
+    values = {
+        "name": name,
+        "constant": constant_name(name),
+        "package": package,
+        "label": words_of(name),
+        "iri": f"https://example.org/{package}/robots/{name}",
+        "help": sentence(said.help or f"The robot {words_of(name)} on a pedestal", "--help-text"),
+        "source": said.name if ":" in said.name else file.name,
+        "scene": scene,
+        "made": made,
+        "home": " ".join(f"{angle:g}" for angle in made.home),
+        "load_centre": " ".join(f"{float(one):.4f}" for one in made.load[1]),
+    }
+    new = {
+        f"{at}/__init__.py": render("urdf_robot.py", **values),
+        f"{at}/{name}.urdf": ET.tostring(made.urdf, encoding="unicode", xml_declaration=True) + "\n",
+        f"{at}/{name}.ttl": render("urdf_robot.ttl", **values),
+        f"{at}/README.md": render("urdf_robot.md", **values),
+        f"src/{package}/scenes/{scene}.ttl": render("urdf_scene.ttl", **values),
+        f"tests/robots/test_{name}.py": render("urdf_robot_test.py", **values),
+        **{f"{at}/{mesh}": text for mesh, text in made.texts.items()},
+    }
+    if not (project.root / f"src/{package}/robots/__init__.py").exists():
+        new[f"src/{package}/robots/__init__.py"] = '"""Robots."""\n'
+    changed = project.with_entries(GROUP, {name: f"{package}.robots.{name}:{constant_name(name)}"})
+    changed = changed.with_folder("scenes").with_dependency("skiros-py[kitting,physics]")
+    draft = replace(changed.draft(new, project, made.notes), copied={f"{at}/{n}": f for n, f in made.copied.items()})
+    if skeleton:
+        draft = replace(draft, new={**skeleton, **draft.new, **draft.changed}, changed={})
+    return draft
+
+
+def _groups(urdf: Path, said: str, model: RobotDescription) -> tuple[dict[str, tuple[str, str]], list[str]]:
+    """Returns the chains of a robot's SRDF, the one that was said or one beside its URDF, and notes about it."""
+    if said:
+        return read_srdf(Path(said), model), []
+    for srdf in (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf"):
+        if srdf.is_file():
+            try:
+                return read_srdf(srdf, model), [f"{srdf.name} was read; which links may touch is found from the shapes"]
+            except FileError as error:
+                return {}, [f"not used: {error}"]
+    return {}, []
+
+
+def _project(folder: Path, name: str, said: NewRobot) -> tuple[Project, dict[str, str]]:
+    """Returns the package that gets the robot, and the files of a new one."""
+    try:
+        return Project.around(folder), {}
+    except UsageError:
+        root = folder.absolute() / name
+    if root.exists():
+        raise UsageError(f"{root} is there already, and nothing is overwritten")
+    help_ = sentence(said.help or f"The robot {words_of(name)}", "--help-text")
+    values = {"name": name, "help": help_, "distribution": name.replace("_", "-")}
+    toml = render("pyproject.toml", **values)
+    toml = toml[: toml.index("\n# What skiros-py finds")] + "\n"
+    skeleton = {
+        "pyproject.toml": toml,
+        "README.md": render("urdf_readme.md", **values),
+        f"src/{name}/__init__.py": f'"""{help_}"""\n',
+        f"src/{name}/py.typed": "",
+        "tests/conftest.py": render("conftest.py", **values),
+    }
+    return Project(root, name, toml), skeleton

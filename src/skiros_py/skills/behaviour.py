@@ -146,6 +146,9 @@ class Scope(Protocol):
     def call(self, call: Call) -> Execution[Outcome]:
         """Returns the run of a module; its outputs are written when it has succeeded."""
 
+    def launch(self, call: Call) -> Outcome:
+        """Starts a module that runs on beside the skill and after it; one that runs with these inputs stays."""
+
     def write(self, name: str, value: Any) -> None:
         """Writes a value that later nodes of the same skill read with ``P(name)``."""
 

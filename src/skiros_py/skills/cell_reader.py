@@ -233,6 +233,14 @@ def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
     carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
     if len(carriers) > 1:
         raise DescriptionError(f"{robot} is moved by {' and '.join(c.id for c in carriers)}: one can carry it")
+    movers: dict[tuple[str, str], str] = {}
+    for device in spec.devices:
+        for joint in device.joint_names:
+            other = movers.setdefault((device.kind, joint), device.id)
+            if other != device.id:
+                raise DescriptionError(
+                    f"{other} and {device.id} both have joint '{joint}' of {robot}: give each its own"
+                )
     return spec if carriers else _standing(view, spec)
 
 

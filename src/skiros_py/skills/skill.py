@@ -84,6 +84,7 @@ class SkillDescription:
             author does not know.
         limit: How long one attempt may take at most [s], without pauses and questions to a person; ``math.inf`` for no
             limit. None for 20 times the duration, at least 300 s; no limit where that is not known either.
+        refines: Name of the description that it was refined from (:meth:`refined`); empty for none.
     """
 
     name: str
@@ -96,6 +97,7 @@ class SkillDescription:
     post: tuple[Condition, ...] = ()
     duration: float | None = None
     limit: float | None = None
+    refines: str = ""
 
     def __post_init__(self) -> None:
         name: object = self.name
@@ -133,6 +135,40 @@ class SkillDescription:
                 raise DescriptionError(
                     f"parameter {key} {where}: it must be an element, and it is a {params[key].type_name}"
                 )
+
+    def refined(
+        self,
+        name: str,
+        agent_class: str,
+        *,
+        help: str,  # noqa: A002 - as the field is called
+        pre: Sequence[Condition] = (),
+        hold: Sequence[Condition] = (),
+        post: Sequence[Condition] = (),
+    ) -> SkillDescription:
+        """Returns the same description for some of its agents, of whom more is asked: they have it instead of this one.
+
+        The ontology says of their class that they never have this one: ``sk:refinedSkills "drive"``.
+
+        Args:
+            name: Its name ("drive_by_air").
+            agent_class: Class of its agents, below the one of this description.
+            help: One sentence for people.
+            pre: What must hold, too, before it starts.
+            hold: What must hold, too, while it runs.
+            post: What holds after it, too.
+        """
+        params = (replace(one, type=agent_class) if one.key == self.agent else one for one in self.params)
+        return replace(
+            self,
+            name=name,
+            help=help,
+            params=tuple(params),
+            pre=(*self.pre, *pre),
+            hold=(*self.hold, *hold),
+            post=(*self.post, *post),
+            refines=self.name,
+        )
 
     def param(self, key: str) -> Param:
         """Returns the parameter of that key.

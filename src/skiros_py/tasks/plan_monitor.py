@@ -93,7 +93,7 @@ class PlanMonitor:
         return self._flaw(asked)
 
     def _ask(self, progress: Progress, reached: Mapping[str, int]) -> Asked[Checked]:
-        running = tuple(one.step for one in progress.running)
+        running = tuple(one.step for one in progress.running if not one.leaving)  # what was cancelled does not succeed
         skills = {step.skill: self._skills[step.skill] for step in (*running, *progress.rest)}
         self._reads.stale = False
         return self._context.planning.ask(Check(self.goal, running, progress.rest, skills, reached))

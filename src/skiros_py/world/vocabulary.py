@@ -170,10 +170,10 @@ CALIBRATION_RESIDUAL: Final = PropertyName("sk:calibrationResidual")
 sk:mounting [px]."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise at half a metre [m]."""
-DRIVER: Final = PropertyName("sk:driver")
-"""Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
 DRIVE_FORCE: Final = PropertyName("sk:driveForce")
 """Maximum force of its drives [N], and torque to turn it [N m]; without it, 160, enough for a base of about 100 kg."""
+DRIVER: Final = PropertyName("sk:driver")
+"""Name of the driver of a robot or device, if it is not that of the cell or of its robot."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 """Pose of a robot base for working here, in this element's own frame [m, rad]."""
 FAILED_TIMES: Final = PropertyName("sk:failedTimes")
@@ -269,6 +269,9 @@ POSITION_NOISE: Final = PropertyName("sk:positionNoise")
 """Standard deviation of the error of the position in x and in y [m]."""
 REACH: Final = PropertyName("sk:reach")
 """Distance from the middle of the robot up to which the arm works, seen from above [m]."""
+REFINED_SKILLS: Final = PropertyName("sk:refinedSkills")
+"""Names of skills, separated by blanks, that the agents of a class have in a refined form only, and never as they
+are."""
 RUN_TIMES: Final = PropertyName("sk:runTimes")
 """Durations of the last successful runs, newest last [s]."""
 SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")

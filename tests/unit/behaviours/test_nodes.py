@@ -23,6 +23,7 @@ from skiros_py.behaviours import (
     Repeat,
     Retry,
     Sequence,
+    Start,
     Timeout,
     Wait,
     WaitUntil,
@@ -134,6 +135,29 @@ def step(text: str, **more: Any) -> Do:
 def bench_for(body: Behaviour, *others: Skill, **skill: Any) -> Bench:
     mine = Skill(skill.pop("description", AFTER), body, driver="fake", **skill)
     return Bench(tiny_world(), (mine, *others), (Step, Far, Hold, Arrive))
+
+
+def test_what_is_started_runs_on_beside_the_skill_and_after_it_and_only_once() -> None:
+    watching = Start.of("step", text="watching", cycles=60)
+    body = Sequence.of(watching, watching, step("works", cycles=3), Do.of("arrive", place="box_a"))
+    with bench_for(body) as bench:
+        assert isinstance(bench.run("drive", **TO_A), Success)
+        during = [cycle for text, cycle in LOG if text == "watching"]
+        bench.advance(0.5)
+
+    watched = [cycle for text, cycle in LOG if text == "watching"]
+    works = [cycle for text, cycle in LOG if text == "works"]
+    assert 0 < len(during) < 60
+    assert set(works) & set(during)
+    assert len(watched) == len(set(watched)) == 60
+
+
+def test_what_cannot_be_started_is_the_failure_of_the_node() -> None:
+    with bench_for(Start.of("no_such_module")) as bench:
+        outcome = bench.run("drive", **TO_A)
+
+    assert isinstance(outcome, Failure)
+    assert "no_such_module" in outcome.reason
 
 
 def outcome_of(body: Behaviour, *others: Skill, **skill: Any) -> Outcome:

@@ -24,6 +24,7 @@ from skiros_py.behaviours import (
     Repeat,
     Retry,
     Sequence,
+    Start,
     Timeout,
     Wait,
     WaitUntil,
@@ -55,6 +56,7 @@ PATTERN = AllOf(
 )
 NODES: Mapping[str, Behaviour] = {
     "do": DO,
+    "start": Start.of("drive", place=P("Place"), altitude=1.5),
     "sequence": Sequence.of(DO, Wait(1)),
     "fallback": Fallback.of(DO, Wait(1.5)),
     "parallel": Parallel.of(DO, DO, policy=Policy.FIRST_SUCCESS),

@@ -62,6 +62,15 @@ def test_a_skill_for_real_robots_cannot_call_a_fake_only_skill(real: Callable[[S
     assert reasons["tour"].startswith("there is no primitive or skill 'hop'")
 
 
+def test_a_refined_skill_is_left_out_where_the_ontology_lets_its_agents_have_the_general_one_too() -> None:
+    refined = pretend(DRIVE.refined("creep", DRIVE.agent_class, help="Drives slowly."))
+
+    good, reasons = fitted(creep=refined)
+
+    assert good == set()
+    assert reasons["creep"].endswith(f'the ontology must say of {DRIVE.agent_class}: sk:refinedSkills "{DRIVE.name}"')
+
+
 def test_a_skill_for_real_robots_that_asserts_unsensed_effects_is_left_out() -> None:
     good, reasons = fitted(hop=replace(skill("hop"), driver=None), tour=skill("tour"))
 

@@ -211,6 +211,26 @@ def test_watchers_continue_after_a_halt_and_never_run_twice() -> None:
             bench.cycle.reset()
 
 
+def test_what_was_launched_continues_after_a_halt_unless_it_had_ended() -> None:
+    def ticks() -> int:
+        before = len(Idle.ticks)
+        bench.cycle.step()
+        return len(Idle.ticks) - before
+
+    for seconds, after in ((60.0, 1), (0.1, 0)):
+        with Bench(tiny_world(), SKILLS, (Roll, Idle)) as bench:
+            for _ in range(2):
+                bench.managers["base_1"].launch("idle", {"seconds": seconds})
+            assert ticks() == 1
+            bench.advance(1.0)
+            bench.cycle.stop_all()
+            bench.cycle.reset()
+            assert ticks() == 0
+            bench.managers.watch()
+            bench.managers.watch()
+            assert ticks() == after
+
+
 def test_replacing_a_lost_manager_leaves_nothing_of_it_behind() -> None:
     with Bench(tiny_world(), SKILLS, (Roll, Look), cell=Sluggish) as bench:
         bench.managers.watch()

@@ -141,6 +141,7 @@ def test_a_primitive_that_yields_for_ever_is_ended_and_the_reason_names_the_plac
 def test_an_author_may_set_the_limit_or_lift_it(bench: Bench) -> None:
     assert reason(bench, "strict").startswith("strict took longer than 2 s")
     assert bench.run("patient") == Success("done")
+    assert not [event for event in bench.events if event.module == "patient" and "no progress" in event.text]
 
 
 def test_a_primitive_of_unknown_duration_is_ended_when_it_makes_no_progress_for_long(bench: Bench) -> None:

@@ -38,7 +38,7 @@ def test_a_model_of_one_link_has_one_frame_and_no_joints(tmp_path: Path) -> None
 def test_the_joints_of_a_model_are_its_own_whatever_its_root_is_called(tmp_path: Path) -> None:
     table = model_of(tmp_path, TABLE)
 
-    assert dict(table.joints) == {"lift": JointRange(0.0, 0.2, 1.0)}
+    assert dict(table.joints) == {"lift": JointRange(0.0, 0.2, 1.0, 9.0)}
     assert table.pose("plate", {"lift": 0.1}).position == pytest.approx((0.0, 0.0, 0.6))
 
 

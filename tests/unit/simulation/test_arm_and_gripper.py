@@ -1,13 +1,14 @@
 """Arm and gripper follow their targets within limits and do the safe thing when nobody commands them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from skiros_py.devices.arm import ArmState, ArmTarget
+from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
 from skiros_py.devices.gripper import GripperState, GripperTarget
-from skiros_py.errors import DeviceError
+from skiros_py.errors import DescriptionError, DeviceError
 
 REST = (0.0,) * 7
 
@@ -24,6 +25,18 @@ def test_at_the_start_the_arm_is_at_home_and_the_gripper_open(make_cell, kitting
     assert snapshot.state("gripper", GripperState).gap == pytest.approx(0.08, abs=1e-4)
     assert snapshot.state("arm", ArmState).still
     assert snapshot.state("gripper", GripperState).still
+
+
+def test_a_home_beyond_the_limits_of_a_joint_is_refused(make_cell, kitting):
+    spec = kitting.cell_spec()
+    (robot,) = spec.robots
+    home = _shifted(kitting.HOME, 3, -1.0)
+    devices = tuple(replace(one, home=home) if isinstance(one, ArmSpec) else one for one in robot.devices)
+
+    with pytest.raises(
+        DescriptionError, match=r"arm: sk:home has -3\.\d+ rad for panda_joint4, which turns from -3\.14"
+    ):
+        make_cell(replace(spec, robots=(replace(robot, devices=devices),)))
 
 
 def test_a_smooth_motion_is_tracked_within_a_milliradian(make_cell, kitting):

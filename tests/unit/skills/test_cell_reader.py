@@ -66,6 +66,17 @@ def test_a_gripper_on_no_arm_is_refused() -> None:
         read_cell(world, ["robot_1"])
 
 
+def test_two_arms_with_one_joint_are_refused() -> None:
+    second = 'scene:arm_2 a sk:Arm ; sk:joints "wrist elbow" ; sk:tip "tip" ; sk:home "0 0"^^sk:vectorLiteral .'
+    world = tiny_world(f"{second} scene:robot_1 sk:hasA scene:arm_2 .")
+
+    with pytest.raises(DescriptionError, match="arm_1 and arm_2 both have joint 'elbow' of robot_1: give each its own"):
+        read_cell(world, ["robot_1"])
+    with world.transaction("test", "another joint") as tx:
+        tx.set("arm_2", "sk:joints", "wrist hand")
+    assert len(read_cell(world, ["robot_1"]).robots[0].of(ArmSpec)) == 2
+
+
 def test_a_home_of_the_wrong_length_is_refused() -> None:
     world = tiny_world()
     with world.transaction("test", "one angle too many") as tx:

@@ -1,12 +1,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any, cast
 
 from skiros_py.planning.plan import Step
 from skiros_py.planning.planners.planner import Planners
 from skiros_py.planning.replay import Flaw
 from skiros_py.planning.requests import Check, supposing
 from skiros_py.skills.conditions.watch import Reads, Watches
+from skiros_py.tasks.context import Control
+from skiros_py.tasks.dispatcher import Progress
+from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.testing import GivenPlanner, tiny_world
 from skiros_py.testing.tiny import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
@@ -57,6 +62,22 @@ def test_running_steps_are_assumed_to_succeed() -> None:
     flaw = checker(world).look([], REST)
     assert flaw is not None
     assert (flaw.step, flaw.verdict.text) == (0, "At(robot_1, box_a)")
+
+
+def test_cancelled_steps_are_not_assumed_to_succeed() -> None:
+    asked: list[Check] = []
+    context: Any = SimpleNamespace(
+        world=tiny_world(),
+        offers=lambda agent, skill: True,
+        planning=SimpleNamespace(ask=lambda check: asked.append(check) or SimpleNamespace(done=lambda: False)),
+        wait_in_lockstep=lambda asked, control: None,
+    )
+    running = [SimpleNamespace(step=step, leaving=why) for step, why in ((DRIVING, ""), (REST[0], "of no use"))]
+    monitor = PlanMonitor(context, Control(), (IN_CONTAINER("ball_1", "slot_1"),), SKILLS)
+
+    monitor.check(Progress(running=cast("Any", tuple(running)), rest=REST, done=False), {})
+
+    assert [check.running for check in asked] == [(DRIVING,)]
 
 
 def test_only_a_change_of_what_was_read_makes_a_plan_check_stale() -> None:

@@ -7,7 +7,8 @@ import owlready2
 import pytest
 import rdflib
 
-FILES = ("core.ttl", "kitting.ttl", "../robots/src/skiros_robots/mobile_panda.ttl")
+ROBOTS = ("three_finger_gripper", "mobile_panda", "mobile_iiwa", "mobile_fanuc", "ur10e_cell")
+FILES = ("core.ttl", "kitting.ttl", *(f"../robots/src/skiros_robots/{robot}.ttl" for robot in ROBOTS))
 
 
 @pytest.mark.parametrize("last", range(1, len(FILES) + 1))

@@ -72,7 +72,7 @@ def self_collision_pairs(arm: ArmModel) -> frozenset[tuple[str, str]]:
     posture or in the arm's home posture.
     """
     shapes = arm.collision_shapes(0.0)
-    _add_distant_pairs(arm.model, shapes)
+    add_distant_pairs(arm.model, shapes)
     data, results = arm.model.createData(), shapes.createData()
     hits = np.zeros(len(shapes.collisionPairs))
     rng = np.random.default_rng(0)
@@ -85,7 +85,8 @@ def self_collision_pairs(arm: ArmModel) -> frozenset[tuple[str, str]]:
     return frozenset(pair for pair, keep in zip(pairs, kept, strict=True) if keep)
 
 
-def _add_distant_pairs(model: pin.Model, shapes: pin.GeometryModel) -> None:
+def add_distant_pairs(model: pin.Model, shapes: pin.GeometryModel) -> None:
+    """Adds all pairs of shapes that at least one other link is between."""
     parents = [shape.parentJoint for shape in shapes.geometryObjects]
     for i, first in enumerate(parents):
         for j, second in enumerate(parents[i + 1 :], start=i + 1):

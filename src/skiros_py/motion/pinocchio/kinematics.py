@@ -186,12 +186,14 @@ class PinocchioKinematics:
         return posture
 
     def _range(self, joint: pin.JointModel) -> JointRange:
-        velocity = float(self._model.velocityLimit[joint.idx_v])
-        speed = velocity if 0.0 < velocity < math.inf else None
+        speed, effort = (
+            float(limits[joint.idx_v]) if 0.0 < limits[joint.idx_v] < math.inf else None
+            for limits in (self._model.velocityLimit, self._model.effortLimit)
+        )
         if joint.nq != 1:
-            return JointRange(None, None, speed)
+            return JointRange(None, None, speed, effort)
         lower, upper = self._model.lowerPositionLimit[joint.idx_q], self._model.upperPositionLimit[joint.idx_q]
-        return JointRange(float(lower), float(upper), speed)
+        return JointRange(float(lower), float(upper), speed, effort)
 
     def _mounts(self) -> list[tuple[str, str]]:
         """Returns the links below the base link, each with the link on which it is mounted."""

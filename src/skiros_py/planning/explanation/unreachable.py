@@ -224,18 +224,35 @@ class UnreachableFacts:
         if not givers or atom in chain or len(chain) == _DEPTH or self._left < 0:
             return self._without_giver(atom, types, chain)
         tries = [self._tried(action, effect, atom, types) for action, effect in givers]
-        best = max(tries, key=lambda one: (one.progress, self._is_open(one), self._has_elements(one)))
+        best = max(tries, key=lambda one: (one.progress, self._openness(one), self._has_elements(one)))
         if best.direct is not None:
             return replace(best.direct, missing=best.direct.missing or atom, types=best.direct.types or types)
         return self._described(best, (*chain, atom))
 
-    def _is_open(self, one: _Try) -> bool:
-        """Returns whether it is stuck at something changeable, not at what things are made of."""
-        if one.stuck is None:
-            return True
-        relation = one.stuck.predicate.removeprefix(NOT)
-        family = self._ontology.family(relation) if relation in self._ontology.relations else None
-        return family not in (Family.STRUCTURE, Family.COMPUTED)
+    def _openness(self, one: _Try) -> int:
+        """Returns how near it is to working: 2 for what a skill changes or a number decides, 0 for what things are."""
+        if one.stuck is None or one.stuck.predicate in self._given:
+            return 2
+        family = self._family(one.stuck)
+        if family is Family.COMPUTED:
+            return 2 if self._is_measured(one, one.stuck) else 0
+        return 0 if family is Family.STRUCTURE else 1
+
+    def _family(self, atom: Atom) -> Family | None:
+        relation = atom.predicate.removeprefix(NOT)
+        return self._ontology.family(relation) if relation in self._ontology.relations else None
+
+    def _is_measured(self, one: _Try, stuck: Atom) -> bool:
+        """Returns whether a number decides a computed fact for one of the ways to get there."""
+        asked, reasoners = self._task.asked.get(stuck.predicate), self._view.reasoners
+        facts = [stuck.bind(way).arguments for way in one.ways[:_GROUNDINGS]]
+        if not isinstance(asked, Computed) or not reasoners.computes(asked.relation):
+            return False
+        return any(
+            reasoners.answer(self._view, fact[0], asked.relation, fact[1]).value is not None
+            for fact in facts
+            if len(fact) == 2 and not any(map(is_variable, fact))
+        )
 
     def _has_elements(self, one: _Try) -> bool:
         """Returns whether there is something of each class that it needs."""
@@ -336,17 +353,19 @@ class UnreachableFacts:
         """Orders facts that hold already or never change before those to be achieved; in both groups the rarest first.
 
         So the reported reason is a fact that could not be achieved for the things at hand. Which agent has the skill
-        comes last among the facts that never change: by then the agent is bound. Of equals, what is said of the wanted
-        thing comes first: where it is, then where the robot is.
+        comes last among the facts that never change: by then the agent is bound; before it what holds for nothing,
+        which is then said of the things at hand. Of equals, what is said of the wanted thing comes first: where it is,
+        then where the robot is.
         """
         init = self._task.problem.init
 
-        def rank(atom: Atom) -> tuple[bool, bool, int, bool, int]:
+        def rank(atom: Atom) -> tuple[bool, bool, bool, int, int, bool]:
             changes = atom.predicate in self._given
             found = self._relaxed.ways(action, [atom], start, types, _WAYS)
             is_given = not changes or (bool(found) and all(atom.bind(way) in init for way in found))
             free = sum(argument not in start for argument in atom.arguments if is_variable(argument))
-            return not is_given, atom.predicate.startswith(CAN), len(found), changes, free
+            is_nowhere = not found and not changes and self._family(atom) is not Family.STRUCTURE
+            return not is_given, atom.predicate.startswith(CAN), is_nowhere, len(found), free, changes
 
         return sorted(action.pre, key=rank)
 

@@ -184,6 +184,12 @@ def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
     return None, tuple(broken)
 
 
+def _robot_iris() -> Iterator[str]:
+    """Yields the IRIs of the files that plug-ins bring."""
+    for entry in installation().of(GROUP):
+        yield from (found.iri for found in documents_of(entry) if isinstance(found, Document))
+
+
 def documents_of(entry: Entry) -> Iterator[Document | PluginFault]:
     """Yields the parsed files of an entry point, and its faults."""
     paths = _files(entry)
@@ -332,7 +338,9 @@ def _with_imports(scene: Document, iris: Sequence[str], known: Mapping[str, Docu
 
 def _missing(missing: Mapping[str, Document], known: Iterable[str], broken: Iterable[PluginFault]) -> FileError:
     iri, importer = next(iter(missing.items()))
-    names, declared = (", ".join(f"<{name}>" for name in sorted(some)) or "none" for some in (missing, known))
+    names, declared, robots = (
+        ", ".join(f"<{name}>" for name in sorted(some)) or "none" for some in (missing, known, _robot_iris())
+    )
     faults = "".join(f"; {fault}" for fault in dict.fromkeys(broken))
-    advice = f"put an ontology into a folder of {ONTOLOGIES}; these are declared: {declared}"
+    advice = f"put an ontology into a folder of {ONTOLOGIES}; these are declared: {declared}; robots: {robots}"
     return importer.fault(f"imports {names}, which no file at hand declares: {advice}{faults}", iri)

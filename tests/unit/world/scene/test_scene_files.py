@@ -74,6 +74,17 @@ def test_an_import_without_a_file_is_refused(ontology: Ontology, tmp_path: Path)
         load_scene(ontology, tmp_path / "mine.ttl")
 
 
+def test_where_a_robot_is_misspelt_the_robots_that_exist_are_named(ontology: Ontology, tmp_path: Path) -> None:
+    (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE)
+
+    with pytest.raises(FileError) as caught:
+        load_scene(ontology, tmp_path / "mine.ttl")
+
+    robots = caught.value.reason.partition("; robots: ")[2]
+    assert "<https://w3id.org/skiros-py/robots/mobile_panda>" in robots
+    assert "<https://w3id.org/skiros-py/robots/ur10e_cell>" in robots
+
+
 def test_all_missing_imports_of_a_scene_are_named_at_once(ontology: Ontology, tmp_path: Path) -> None:
     more = " <> owl:imports <http://example.org/one>, <http://example.org/two> .\n"
     (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE + more)

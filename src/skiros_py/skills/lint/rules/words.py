@@ -27,6 +27,7 @@ from skiros_py.skills.conditions.pattern import Classes, NumberChange, leaves
 from skiros_py.skills.lint.rule import Known, Place, Source, Subject, rule, uses_of
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.ontology import Ontology
 
 _ALIKE = 0.8
 """How much a word must be like another one that this is what was meant."""
@@ -87,7 +88,7 @@ def _undeclared(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
         case Expression():
             for device, quantity in leaf.quantities:
                 class_ = classes.get(device, "")
-                offered = load_device_kinds()[0].signal_names(partial(ontology.overlap, class_))
+                offered = load_device_kinds()[0].signal_names(partial(_may_be, ontology, class_))
                 if class_ and quantity not in offered:
                     yield f"no {class_} has a signal '{quantity}'; there is {', '.join(sorted(offered)) or 'none'}"
                 name = f"{device}.{quantity}"
@@ -95,6 +96,11 @@ def _undeclared(leaf: Pattern, classes: Classes, known: Known) -> Iterator[str]:
                     yield str(UnknownName("signal", name, known.signals))
         case _:
             yield f"its pattern {type(leaf).__name__} is not known"
+
+
+def _may_be(ontology: Ontology, class_: str, kind: str) -> bool:
+    """Returns whether a device of a class may be of a kind: there is none of a kind whose class is not declared."""
+    return kind in ontology.classes and ontology.overlap(class_, kind)
 
 
 def _missing(kind: str, word: str, declared: Collection[str]) -> Iterator[str]:
