@@ -36,6 +36,8 @@ class JobPolicy(Request):
     """How often a skill may fail on one target."""
     partial: StrictBool = False
     """Start even if part of the goal is unreachable from the outset."""
+    rehearse: StrictBool = False
+    """Carry out the plan in a second physics world first; do nothing if it fails there."""
 
 
 class JobOrder(GoalOrder):

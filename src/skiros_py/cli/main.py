@@ -29,6 +29,7 @@ _COMMANDS = {
     "call": ("call", "Call any operation of a server; list them."),
     "report": ("report", "Create a page about a run: timeline, pictures, events and their reasons."),
     "plan": ("plan", "Show domain, problem and plan without executing anything."),
+    "rehearse": ("rehearse", "Try the plan for a goal in a second physics world; say what would fail."),
     "skills": ("skills", "List the installed skills, primitives and conditions."),
     "plugins": ("plugins", "List the installed plug-ins and their faults."),
     "check-plugin": ("check_plugin", "Check plug-ins against the rules, and test their skills."),

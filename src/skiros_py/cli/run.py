@@ -23,8 +23,10 @@ from skiros_py.errors import UsageError, escaped
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.service import Planned
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace import short_step
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind, short_step
 
 if TYPE_CHECKING:
     from skiros_py.skills.context import Question, Questions
@@ -83,6 +85,7 @@ class RunDisplay:
         self._plans = 0
         session.monitor.subscribe(self._on_event)
         session.on_plan(self._on_plan)
+        session.tasks.on_begin(self._on_begin)
 
     def __enter__(self) -> Self:
         session = self._session
@@ -121,6 +124,13 @@ class RunDisplay:
         skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}
         for number, step in enumerate(planned.outcome.steps, start=1):
             self.say(f"  {number:2}. {short_step(step, skills[step.skill])}")
+
+    def _on_begin(self, task: TaskHandle) -> None:
+        task.trace.subscribe(self._on_trace)
+
+    def _on_trace(self, entry: TraceEntry) -> None:
+        if entry.what in (TraceEventKind.REHEARSES, TraceEventKind.REHEARSED):
+            self.say(f"rehearsal  {entry.text}")
 
     def _on_event(self, event: ModuleEvent) -> None:
         if event.status is Status.EVENT:
@@ -196,8 +206,9 @@ def _seconds(value: float | None) -> str:
 @SKILLS
 @PLANNER
 @ASK
+@click.option("--rehearse", is_flag=True, help="Try the plan in a second physics world first; stop if it fails there.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **options: Any) -> int:
+def command(scene: str, record: Path | None, ask: bool | None, rehearse: bool, as_json: bool, **options: Any) -> int:
     """Plans and executes the goal of SCENE (a name, or a path to a .ttl file)."""
     from skiros_py.recording.pictures import check_pictures
     from skiros_py.system import check_display
@@ -214,12 +225,12 @@ def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **
     with Session(scene, Options(**options)) as session:
         if session.options.data is not None and (why := why_not_loaded(session.options.data, session.world, scene)):
             click.echo(f"world   {escaped(why)}; choose another --data to begin it", err=True)
-        status = _run(session, record, ask=ask, as_json=as_json)
+        status = _run(session, record, ask=ask, rehearse=rehearse, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status
 
 
-def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
+def _run(session: Session, record: Path | None, *, ask: bool | None, rehearse: bool, as_json: bool) -> int:
     from skiros_py.recording.pictures import RunPictures
     from skiros_py.station.recordings.runs import run_recorder
     from skiros_py.station.recordings.topics import camera_of
@@ -237,7 +248,7 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
         stopping(session, as_json=as_json),
         answering(session.questions, ask=ask),
     ):
-        report = session.run()
+        report = session.run(policy=Policy(rehearse=rehearse))
         if kept is not None:
             kept.conclude(report)
     display.show_report(report)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -237,14 +237,15 @@ class NoMotion:
         return cls(reason, refusals=(Refusal(0, 0, "", cause, reason),))
 
     @property
-    def values(self) -> dict[str, str]:
+    def values(self) -> dict[str, Any]:
         """What kind of reason it is, as values of a failure: a :data:`Cause` or "contact"; empty if unknown.
 
-        It is "reach" only if no way at all is within reach.
+        It is "reach" only if no way at all is within reach. "bodies" are the ids of what would be touched.
         """
         decisive = furthest(one for one in self.refusals if one.cause != "reach") or furthest(self.refusals)
         cause = "contact" if self.met else decisive.cause if decisive else ""
-        return {"cause": cause} if cause else {}
+        bodies = sorted({body for body, _ in decisive.touches}) if decisive and not self.met else []
+        return ({"cause": cause} if cause else {}) | ({"bodies": bodies} if bodies else {})
 
 
 class ArmPlanner(Protocol):

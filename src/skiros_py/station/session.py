@@ -20,6 +20,7 @@ from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.listeners import Listeners
 from skiros_py.messages import Message
 from skiros_py.planning.problem.stock import believed
+from skiros_py.planning.requests import RuledOut
 from skiros_py.planning.service import Planned
 from skiros_py.plugins.plugin import PluginFault
 from skiros_py.ports.adapters import Ports
@@ -35,6 +36,7 @@ from skiros_py.system import default_simulation
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.rehearsal import Cancellable, Rehearsal
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager, learn_costs
 from skiros_py.world.view import WorldView
@@ -182,6 +184,7 @@ class Session(AbstractContextManager["Session"]):
             leaving=lambda: self._stop_wanted,
             temporal=self.options.temporal,
             absent=self.catalogue.absent,
+            rehearser=self._rehearse,
         )
         if not self.options.fake:
             learn_costs(self.tasks, self.runtime)
@@ -274,6 +277,12 @@ class Session(AbstractContextManager["Session"]):
         if not self.options.fake:
             self.managers.watch()
 
+    def _rehearse(self, goal: Sequence[Condition]) -> Cancellable[Rehearsal]:
+        from skiros_py.station.rehearsals.order import order_of  # most goals are not rehearsed
+        from skiros_py.station.rehearsals.rehearsal import RunningRehearsal
+
+        return RunningRehearsal(order_of(self, [str(condition) for condition in goal]))
+
     # ------------------------------------------------------------------ use
 
     def parse(self, texts: Sequence[str]) -> tuple[Condition, ...]:
@@ -295,11 +304,18 @@ class Session(AbstractContextManager["Session"]):
         finally:
             asked.cancel()
 
-    def run(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
+    def run(
+        self,
+        goal: str | Sequence[Condition] | Sequence[str] | None = None,
+        policy: Policy | None = None,
+        ruled_out: Sequence[RuledOut] = (),
+    ) -> GoalReport:
         """Pursues a goal until it ends, or until :meth:`stop`; steps the control cycle.
 
         Args:
             goal: Conditions or goal texts; None for the goal of the scene.
+            policy: What to do if part of the goal cannot be reached.
+            ruled_out: Attempts that are not planned.
 
         Raises:
             UsageError: There is no goal.
@@ -308,7 +324,7 @@ class Session(AbstractContextManager["Session"]):
         wanted = self._conditions(goal)
         self.runtime.require_ready()
         self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
-        task = self.begin(wanted)
+        task = self.begin(wanted, policy, ruled_out)
         ended = self.runtime.finish(task, lambda: self._stop_wanted)
         stopped = self._obey_stop()
         report = replace(task.result, digest=str(self._digest))
@@ -328,13 +344,17 @@ class Session(AbstractContextManager["Session"]):
         return replace(was, believed=True, tries=was.tries + 1, reason="")
 
     def begin(
-        self, goal: str | Sequence[Condition] | Sequence[str] | None = None, policy: Policy | None = None
+        self,
+        goal: str | Sequence[Condition] | Sequence[str] | None = None,
+        policy: Policy | None = None,
+        ruled_out: Sequence[RuledOut] = (),
     ) -> TaskHandle:
         """Starts to pursue a goal, and returns immediately; it continues as the control cycle is stepped.
 
         Args:
             goal: Conditions or goal texts; None for the goal of the scene.
             policy: What to do if part of the goal cannot be reached.
+            ruled_out: Attempts that are not planned.
 
         Raises:
             UsageError: There is no goal.
@@ -342,7 +362,7 @@ class Session(AbstractContextManager["Session"]):
         """
         conditions = self._conditions(goal)
         self.runtime.require_ready()
-        return self.tasks.begin(conditions, policy=policy)
+        return self.tasks.begin(conditions, policy=policy, ruled_out=ruled_out)
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
         """Starts a single skill or primitive; step the cycle until it has ended.

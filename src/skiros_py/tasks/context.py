@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
@@ -19,6 +19,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Questions
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.rehearsal import Cancellable, Rehearser
 from skiros_py.tasks.reservations import Reservations
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
@@ -93,6 +94,7 @@ class TaskContext:
         leaving: Returns True once a shutdown is requested; simulated time then continues so that it can complete.
         options: Planning options.
         lockstep: True if simulated time stands still during planning.
+        rehearser: Starts rehearsals; None where there is no physics for them.
     """
 
     world: World
@@ -106,6 +108,7 @@ class TaskContext:
     leaving: Callable[[], bool] = lambda: False
     options: PlanningOptions = USUAL
     lockstep: bool = True
+    rehearser: Rehearser | None = None
 
     @property
     def now(self) -> float:
@@ -141,6 +144,10 @@ class TaskContext:
         Raises:
             PlanningError: Planning failed.
         """
+        return (yield from self.wait_for(asked, control))
+
+    def wait_for(self, asked: Cancellable[T], control: Control) -> Execution[T]:
+        """Waits for the result of other work, as for an answer."""
         try:
             self.wait_in_lockstep(asked, control)
             while not asked.done():
@@ -149,7 +156,7 @@ class TaskContext:
         finally:
             asked.cancel()
 
-    def wait_in_lockstep(self, asked: Asked[T], control: Control) -> None:
+    def wait_in_lockstep(self, asked: Cancellable[Any], control: Control) -> None:
         """Waits for an answer while simulated time stands still, at most until the task is asked to end."""
         if self.lockstep:
             with self.cycle.activity.waiting():

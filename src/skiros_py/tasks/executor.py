@@ -35,6 +35,8 @@ class TaskExecutor(ABC):
 
     def __init__(self, task: TaskHandle, context: TaskContext) -> None:
         self.record = TaskRecord(context, task.goal, task.policy.attempts)
+        if task.ruled_out:
+            self.record.avoid(task.ruled_out)
         self._task = task
         self._context = context
         self._trace = task.trace

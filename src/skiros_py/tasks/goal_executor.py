@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from skiros_py.errors import UsageError
 from skiros_py.messages import Message, joined
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.problem.stock import believed
@@ -47,6 +48,11 @@ class GoalExecutor(TaskExecutor):
     # ------------------------------------------------------------------ rounds
 
     def _work(self) -> Execution[None]:
+        if self._task.policy.rehearse and not self._all_hold(self._task.goal):
+            why = yield from self._meanwhile(self._rehearse())
+            if why:
+                self.record.no_plan = (why,)
+                return
         while True:
             kept = tuple(c for c in self._task.goal if c not in self.record.given_up)
             if self._all_hold(kept) or (self.record.given_up and not self._task.policy.rest):
@@ -112,6 +118,23 @@ class GoalExecutor(TaskExecutor):
             self._look_after()
             if self._attend().running:
                 yield
+
+    def _rehearse(self) -> Execution[str]:
+        """Rehearses the goal, and avoids what that has ruled out; returns why nothing is to be done, or an empty text.
+
+        Raises:
+            UsageError: There is nothing to rehearse in.
+        """
+        if self._context.rehearser is None:
+            raise UsageError(Message("a rehearsal needs physics: there is none for this cell"))
+        self._trace.write(TraceEventKind.REHEARSES, Message("rehearses"))
+        started = self._context.rehearser(self._task.goal)
+        self._task.rehearsal = rehearsal = yield from self._context.wait_for(started, self._task.control)
+        self.record.avoid(rehearsal.ruled_out)
+        reason = rehearsal.reason
+        text = Message("would fail: {reason}", reason=reason) if reason else Message("rehearsed: the goal is reached")
+        self._trace.write(TraceEventKind.REHEARSED, text, rehearsal.as_json())
+        return text if reason and not self._task.policy.partial else ""
 
     # ------------------------------------------------------------------ planning
 

@@ -7,11 +7,13 @@ from concurrent.futures import Future
 from typing import Literal
 
 from skiros_py.planning.plan import Plan
+from skiros_py.planning.requests import RuledOut
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Question
 from skiros_py.skills.outcome import Outcome
 from skiros_py.tasks.context import Control, Mode
 from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.rehearsal import Rehearsal
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import StepRun, Trace
 
@@ -30,6 +32,7 @@ class TaskHandle:
         goal: The conditions to reach; empty for a sequence of steps.
         policy: What to do when part of the goal is unreachable.
         trace: The events so far; filled while it runs.
+        ruled_out: Attempts that are not planned.
 
     Attributes:
         trace: The events so far.
@@ -37,12 +40,21 @@ class TaskHandle:
         plan: The current plan; None before there is one.
         report: Its report; None until it is done.
         error: The exception that ended it; None if there was none.
+        rehearsal: Its rehearsal, if it wanted one and that has ended.
         phase: Its current phase, regardless of pauses.
         question: The open question to the user; None if there is none.
     """
 
-    def __init__(self, name: str, goal: Sequence[Condition], policy: Policy, trace: Trace) -> None:
+    def __init__(
+        self,
+        name: str,
+        goal: Sequence[Condition],
+        policy: Policy,
+        trace: Trace,
+        ruled_out: Sequence[RuledOut] = (),
+    ) -> None:
         self.name = name
+        self.ruled_out = tuple(ruled_out)
         self.goal = tuple(goal)
         self.policy = policy
         self.trace = trace
@@ -50,6 +62,7 @@ class TaskHandle:
         self.plan: Plan | None = None
         self.report: GoalReport | None = None
         self.error: Exception | None = None
+        self.rehearsal: Rehearsal | None = None
         self.phase: Literal["planning", "running", "waiting"] = "planning"
         self.question: Question | None = None
         self._before: list[BeforeStep] = []

@@ -18,12 +18,15 @@ class Policy:
             sequence ends after as many failures of one step. It also bounds the plans and retries of a goal, with its
             number of conditions.
         partial: True to start even if part of the goal is unreachable from the outset; False to do nothing then.
+        rehearse: True to carry out the plan in a second physics world first, and to do nothing if it fails there;
+            with ``partial``, what can be reached without what fails there.
     """
 
     rest: bool = True
     ask: bool = False
     attempts: int = 3
     partial: bool = False
+    rehearse: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.attempts, bool) or not isinstance(self.attempts, int) or self.attempts < 1:

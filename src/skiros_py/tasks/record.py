@@ -122,20 +122,14 @@ class TaskRecord:
             self.worn_out.update(c for c in self._goal if self._is_for(self.steps[-1], c))
 
     def _rule_out(self, step: Step, skill: SkillDescription, failure: Failure) -> None:
-        """Notes attempts that would fail again: out of reach from this place or any, or whatever a device is for."""
-        agent, target, place = step.arguments[skill.agent], None, None
-        robot = robot_of(self._view, agent)
-        if missing := failure.values.get("out_of_reach", ()):
-            for thing in missing:
-                self._reasons[thing] = self._reasons[step.arguments[skill.target]]
-                self.ruled_out[None, robot, thing, None] = RuledOut(None, robot, thing, None, failure.reason)
-            return
-        if failure.is_out_of_reach:
-            target = step.arguments[skill.target]
-            placement = self._view.placement(robot) if self._view.has(robot) else None
-            place = placement.place if placement is not None else None
-        ruled_out = RuledOut(step.skill, agent, target, place, failure.reason)
-        self.ruled_out[step.skill, agent, target, place] = ruled_out
+        """Notes attempts that would fail again."""
+        for thing in failure.values.get("out_of_reach", ()):
+            self._reasons[thing] = self._reasons[step.arguments[skill.target]]
+        self.avoid(would_fail_again(step, skill, failure, self._view))
+
+    def avoid(self, attempts: Iterable[RuledOut]) -> None:
+        """Notes attempts that are not planned again."""
+        self.ruled_out.update({(one.skill, one.agent, one.target, one.place): one for one in attempts})
 
     def is_ruled_out(self, step: Step, skill: SkillDescription) -> bool:
         """Returns whether a step is one of the attempts that failed for good, wherever the robot was."""
@@ -259,6 +253,23 @@ class TaskRecord:
 
     def _is_a(self, element: str, class_: str) -> bool:
         return self._view.ontology.is_a(self._view.element(element).type, class_)
+
+
+def would_fail_again(step: Step, skill: SkillDescription, failure: Failure, view: WorldView) -> tuple[RuledOut, ...]:
+    """Returns which attempts would fail as one did that is final.
+
+    They are all to which a thing is out of reach, those at the same target from the same place, or all for which a
+    device is needed that has failed.
+    """
+    agent, target, place = step.arguments[skill.agent], None, None
+    robot = robot_of(view, agent)
+    if missing := failure.values.get("out_of_reach", ()):
+        return tuple(RuledOut(None, robot, thing, None, failure.reason) for thing in missing)
+    if failure.is_out_of_reach:
+        target = step.arguments[skill.target]
+        placement = view.placement(robot) if view.has(robot) else None
+        place = placement.place if placement is not None else None
+    return (RuledOut(step.skill, agent, target, place, failure.reason),)
 
 
 def purpose(step: Step, skill: SkillDescription, view: WorldView) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from skiros_py.planning.experience import Case, observe
 from skiros_py.planning.explanation.absent import AbsentSkill
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.requests import PlanningHost, PlanRequest
+from skiros_py.planning.requests import PlanningHost, PlanRequest, RuledOut
 from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
@@ -24,6 +24,7 @@ from skiros_py.tasks.goal_executor import GoalExecutor
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.record import TaskRecord
+from skiros_py.tasks.rehearsal import Rehearser
 from skiros_py.tasks.report import GoalReport, StepReport
 from skiros_py.tasks.sequence_executor import SequenceExecutor
 from skiros_py.tasks.sequences import StepCheck, check_steps, read_step
@@ -45,6 +46,7 @@ class TaskManager:
         leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
         temporal: True for temporal planning, with a planner that supports durative actions.
         absent: Skills that are installed but cannot be used.
+        rehearser: Starts rehearsals; None where there is no physics for them.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class TaskManager:
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
         absent: tuple[AbsentSkill, ...] = (),
+        rehearser: Rehearser | None = None,
     ) -> None:
         cycle = runtime.cycle
         lockstep = cycle.pace is None
@@ -72,6 +75,7 @@ class TaskManager:
             leaving=leaving,
             options=PlanningOptions(name, temporal, *_TRIES[lockstep], absent),
             lockstep=lockstep,
+            rehearser=rehearser,
         )
         self._policy = policy
         self._names = count(1)
@@ -115,7 +119,14 @@ class TaskManager:
         self._on_begin.append(listener)
         return lambda: self._on_begin.remove(listener)
 
-    def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> TaskHandle:
+    def begin(
+        self,
+        goal: Sequence[Condition],
+        *,
+        name: str = "",
+        policy: Policy | None = None,
+        ruled_out: Sequence[RuledOut] = (),
+    ) -> TaskHandle:
         """Starts pursuing a goal and returns at once; the task runs in the control cycle, concurrently with others.
 
         Failed steps are retried or replanned a bounded number of times. Conditions that can no longer be reached are
@@ -125,11 +136,12 @@ class TaskManager:
             goal: Conditions that must hold together.
             name: Display name; defaults to "task 1" and so on.
             policy: What to do when part of the goal is unreachable.
+            ruled_out: Attempts that are not planned, as a rehearsal has shown.
 
         Raises:
             UsageError: A task of that name is running, or the system was halted and not reset.
         """
-        task = self._task(name, goal, policy)
+        task = self._task(name, goal, policy, ruled_out)
         self._start(task, lambda: GoalExecutor(task, self._context))
         return task
 
@@ -205,7 +217,9 @@ class TaskManager:
             listener(task)
         return (yield from executor.execute())
 
-    def _task(self, name: str, goal: Sequence[Condition], policy: Policy | None) -> TaskHandle:
+    def _task(
+        self, name: str, goal: Sequence[Condition], policy: Policy | None, ruled_out: Sequence[RuledOut] = ()
+    ) -> TaskHandle:
         """Returns a new task; without a name, it gets a free one.
 
         Raises:
@@ -216,7 +230,7 @@ class TaskManager:
         taken = self._active
         name = name or next(free for n in self._names if (free := f"task {n}") not in taken)
         trace = Trace(name, lambda: self._context.now, self._context.monitor)
-        return TaskHandle(name, goal, policy or self._policy, trace)
+        return TaskHandle(name, goal, policy or self._policy, trace, ruled_out)
 
 
 def learn_costs(tasks: TaskManager, runtime: Runtime) -> None:

@@ -25,6 +25,10 @@ class TraceEventKind(enum.StrEnum):
 
     BEGUN = "begun"
     """The task began."""
+    REHEARSES = "rehearses"
+    """It is carried out in a second physics world first."""
+    REHEARSED = "rehearsed"
+    """That has ended; the data has its result."""
     PLANNED = "planned"
     """There is a plan; the data has its steps and their order."""
     NO_PLAN = "no plan"

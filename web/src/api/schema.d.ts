@@ -2752,6 +2752,8 @@ export interface components {
             attempts: number;
             /** @default false */
             partial: boolean;
+            /** @default false */
+            rehearse: boolean;
         };
         JobReport: {
             id: string;

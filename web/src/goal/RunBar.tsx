@@ -99,7 +99,7 @@ function RunOptions() {
             value={options.policy.attempts}
             onChange={(attempts) => setPolicy({ attempts })}
           />
-          {(["rest", "ask", "partial"] as const).map((name) => (
+          {(["rest", "ask", "partial", "rehearse"] as const).map((name) => (
             <Checkbox
               key={name}
               size="xs"

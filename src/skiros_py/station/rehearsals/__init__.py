@@ -1,0 +1,1 @@
+"""Rehearsals: plans carried out in a second physics world, made from beliefs, in a process of its own."""
