@@ -2738,7 +2738,8 @@ export interface components {
              *       "rest": true,
              *       "ask": false,
              *       "attempts": 3,
-             *       "partial": false
+             *       "partial": false,
+             *       "rehearse": false
              *     }
              */
             policy: components["schemas"]["JobPolicy"];
@@ -3066,7 +3067,8 @@ export interface components {
              *       "rest": true,
              *       "ask": false,
              *       "attempts": 3,
-             *       "partial": false
+             *       "partial": false,
+             *       "rehearse": false
              *     }
              */
             policy: components["schemas"]["JobPolicy"];
