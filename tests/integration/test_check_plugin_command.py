@@ -48,7 +48,7 @@ def skill(name: str, value: str) -> str:
 
 
 def test_the_built_in_plug_ins_keep_all_rules_and_their_skills_do_what_they_declare() -> None:
-    result = run("--strict", "--json")
+    result = run("skiros-py", "skiros-skills", "skiros-primitives", "skiros-robots", "--strict", "--json")
 
     answer = json.loads(result.stdout)
     assert (result.return_value, answer["findings"]) == (0, [])

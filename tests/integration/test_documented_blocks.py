@@ -58,6 +58,7 @@ NOT_RUN = {
     "skiros key revoke 1f0c55a2": "the id differs; test_key_command.py",
     "skiros check-plugin . --rule": "it needs the folder of a package; test_check_plugin_command.py",
     "curl -X PUT localhost:8000/api/v1/scene -H 'If-Match: \"17\"'": "the version differs; test_rest_scenes.py",
+    "skiros rehearse trapped.ttl": "physics, which fails there; tests/scenario/test_rehearsing.py reads the page",
     "skiros check-plugin skiros-skills --simulate": "minutes of physics; tests/scenario runs them",
     "curl -X POST $URL/api/v1/webhooks": "its host does not exist; tests of webhooks have one",
     "POST /skiros ": "what the server sends",

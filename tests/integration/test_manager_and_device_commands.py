@@ -47,7 +47,7 @@ def test_a_skill_manager_is_closed_and_opened_from_the_shell(said: Ask, client: 
     assert [manager["agent"] for manager in json.loads(said("manager", "list", "--json"))["items"]] == ["base_1"]
     assert {skill.name for skill in client.modules.skills().items} == {"drive"}
 
-    assert said("manager", "open", "arm_1") == "arm_1 offers pick, place, search\n"
+    assert said("manager", "open", "arm_1") == "arm_1 offers hand_over, pick, place, search\n"
     assert "pick" in {skill.name for skill in client.modules.skills().items}
 
 
