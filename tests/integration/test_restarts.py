@@ -58,7 +58,7 @@ def test_reopening_a_world_writes_no_changes(tmp_path: Path) -> None:
     for _ in range(3):
         with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
             versions.append(session.world.version)
-            assert len(session.world.instances("sk:Skill")) == 4
+            assert len(session.world.instances("sk:Skill")) == 5
     assert len(set(versions)) == 1
 
 

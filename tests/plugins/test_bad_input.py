@@ -126,11 +126,11 @@ def arm(bench: Bench) -> tuple[float, ...]:
     return bench.context.board.snapshot.state("arm_1", ArmState).positions
 
 
-def refused(outcome: object, cause: str, reason: str) -> None:
-    """Judges a failure by its kind and a part of its reason."""
+def refused(outcome: object, cause: str, reason: str, *bodies: str) -> None:
+    """Judges a failure by its kind, the bodies in the way, and a part of its reason."""
     assert isinstance(outcome, Failure), outcome
     assert reason in outcome.reason
-    assert outcome.values == {"cause": cause}
+    assert outcome.values == {"cause": cause} | ({"bodies": list(bodies)} if bodies else {})
 
 
 def test_a_part_out_of_reach_is_refused_as_that_and_nothing_moves() -> None:
@@ -157,7 +157,7 @@ def test_a_compartment_that_something_stands_over_is_refused_with_its_name_and_t
 
         outcome = bench.run("put_down", part="starter_1", compartment="kit_1_a")
 
-        refused(outcome, "collision", "kit_1_a cannot be reached: ")
+        refused(outcome, "collision", "kit_1_a cannot be reached: ", lid)
         assert isinstance(outcome, Failure)
         assert lid in outcome.reason
         assert arm(bench) == before

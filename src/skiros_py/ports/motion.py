@@ -165,7 +165,7 @@ class Refusal:
             where the end of the move is not possible in the first place.
         cause: What kind of reason it is.
         reason: The reason, for a person.
-        touches: The obstacles that would be touched, each with the link of the robot that would touch it.
+        touches: What would touch: each a link of the robot, and the obstacle.
     """
 
     route: int
@@ -244,7 +244,7 @@ class NoMotion:
         """
         decisive = furthest(one for one in self.refusals if one.cause != "reach") or furthest(self.refusals)
         cause = "contact" if self.met else decisive.cause if decisive else ""
-        bodies = sorted({body for body, _ in decisive.touches}) if decisive and not self.met else []
+        bodies = sorted({body for _, body in decisive.touches}) if decisive and not self.met else []
         return ({"cause": cause} if cause else {}) | ({"bodies": bodies} if bodies else {})
 
 

@@ -71,10 +71,10 @@ def call(arguments: Sequence[str], head: str, indent: int = 0, tail: str = ",") 
     return f"{head}(\n{inner}{' ' * indent}){tail}"
 
 
-def listed(items: Sequence[str], head: str, indent: int = 0) -> str:
-    """Writes a tuple: on one line where it fits, or with one item a line."""
+def listed(items: Sequence[str], head: str, indent: int = 0, tail: str = "") -> str:
+    """Writes a tuple: on one line where it fits with what follows it there, or with one item a line."""
     line = f"{head}({', '.join(items)}{',' if len(items) == 1 else ''})"
-    if indent + len(line) <= _WIDTH:
+    if indent + len(line) + len(tail) <= _WIDTH:
         return line
     inner = "".join(f"{' ' * (indent + 4)}{item},\n" for item in items)
     return f"{head}(\n{inner}{' ' * indent})"

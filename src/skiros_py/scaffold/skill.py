@@ -11,7 +11,7 @@ from skiros_py.authoring import skill_name
 from skiros_py.errors import DescriptionError, PlanningError, UnknownName, UsageError
 from skiros_py.planning.domain.literals import expand
 from skiros_py.scaffold.declared import joined, kind_of, module_name, read_parameter, snake_case, words_of
-from skiros_py.scaffold.draft import Draft, literal, render
+from skiros_py.scaffold.draft import Draft, listed, literal, render
 from skiros_py.scaffold.orders import NewSkill
 from skiros_py.scaffold.primitive import check_keys, declarations
 from skiros_py.scaffold.project import Knowledge
@@ -216,7 +216,7 @@ def _is_plannable(known: Knowledge, condition: Condition) -> bool:
 
 
 def _helpers(known: Knowledge, name: str, skill: Described) -> str:
-    """Returns the tuple of skills of its test: itself, and what brings about its preconditions, but not its effects."""
+    """Returns the skills of its test: itself, and what brings about its preconditions, but not its effects."""
     effects, wanted = ({one.type.name for one in some} for some in (skill.post, skill.pre))
     found: dict[str, None] = {}
     others = [other.description for other in known.catalogue.skills.values()]
@@ -224,7 +224,7 @@ def _helpers(known: Knowledge, name: str, skill: Described) -> str:
     while more := [o for o in others if o.name not in found and wanted & {condition.type.name for condition in o.post}]:
         found |= dict.fromkeys(one.name for one in more)
         wanted |= {condition.type.name for one in more for condition in one.pre}
-    return literal(tuple(sorted({name, *found})))
+    return listed([literal(one) for one in sorted({name, *found})], "skills=", 8, ",")
 
 
 def _trial(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cast: Mapping[str, str]) -> dict[str, Any]:

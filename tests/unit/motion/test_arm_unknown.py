@@ -78,7 +78,7 @@ def test_what_was_seen_is_named_where_an_arm_cannot_get_past(robot: RobotSpec, b
 
     assert isinstance(refused, NoMotion)
     assert SEEN in refused.reason
-    assert refused.values == {"cause": "collision"}
+    assert refused.values == {"cause": "collision", "bodies": [SEEN]}
 
 
 @pytest.mark.parametrize(("beside", "share"), [(0.10, 1.0), (0.085, 0.5), (0.07, None)])

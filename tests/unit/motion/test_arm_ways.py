@@ -187,7 +187,7 @@ def test_a_pose_inside_a_wall_is_refused_with_the_name_of_the_wall(fresh: ArmMot
     answer = fresh.plan(request(LEFT, PoseMove(inside), obstacles=(WALL,)))
 
     assert isinstance(answer, NoMotion)
-    assert answer.values == {"cause": "collision"}
+    assert answer.values == {"cause": "collision", "bodies": ["wall"]}
     assert "would touch wall" in answer.reason
 
 

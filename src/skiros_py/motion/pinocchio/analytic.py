@@ -20,6 +20,8 @@ from skiros_py.ports.kinematics import InverseKinematics
 
 _DERIVED = "ikgeo.general_6r"  # its coefficients take half a minute to derive
 _WRAPPED, _NO_SEED = 1, np.zeros(0)
+_SAME = 6
+"""Decimals in which postures that are the same agree [rad]."""
 _APART = (1.2, 0.6, 0.3)
 """Postures are chosen that differ by this in a joint, then by less, if there are not enough [rad]."""
 
@@ -83,6 +85,8 @@ class AnalyticKinematics(InverseKinematics):
             postures = postures[((postures >= limits[0]) & (postures <= limits[1])).all(axis=1)]
         if not len(postures):
             return self._numeric.branches(target, reference, limits, rng, count=count, restarts=restarts)
+        _, first = np.unique(postures.round(_SAME), axis=0, return_index=True)
+        postures = postures[np.sort(first)]  # where branches meet, the solver gives both
         steps = postures - reference
         postures = postures[np.einsum("ij,ij->i", steps, steps).argsort(kind="stable")]
         return list(postures if len(postures) <= count else postures[_spread(postures, count)])
