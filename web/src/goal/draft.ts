@@ -49,7 +49,11 @@ export interface Draft {
 export const NEW: Draft = {
   rows: [],
   template: null,
-  options: { description: "", priority: 0, policy: { rest: true, ask: false, attempts: 3, partial: false, rehearse: false } },
+  options: {
+    description: "",
+    priority: 0,
+    policy: { rest: true, ask: false, attempts: 3, partial: false, rehearse: false },
+  },
   kit: null,
   preview: null,
   pending: null,
