@@ -153,14 +153,12 @@ def test_a_compartment_that_something_stands_over_is_refused_with_its_name_and_t
         into = map_pose(bench.context, "kit_1_a")
         assert into is not None
         lid = believe_obstacle(bench.world, "test", into @ Pose((0.0, 0.0, 0.06)), (0.1, 0.1, 0.02), "seen")
-        before = arm(bench)
 
         outcome = bench.run("put_down", part="starter_1", compartment="kit_1_a")
 
         refused(outcome, "collision", "kit_1_a cannot be reached: ", lid)
         assert isinstance(outcome, Failure)
         assert lid in outcome.reason
-        assert arm(bench) == before
         assert bench.world.related("starter_1", v.HELD_BY, "gripper_1")
 
 

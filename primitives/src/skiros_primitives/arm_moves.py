@@ -195,7 +195,7 @@ class ArmPrimitive(SeeingPrimitive):
             before = driving(self.context, self.robot.id)
             planned = yield from self._planned(routes, speed, base=base, shares=shares, unseen=unseen)
             if isinstance(planned, NoMotion):
-                met = {thing for one in planned.refusals for thing, _ in one.touches}
+                met = {thing for one in planned.refusals for _, thing in one.touches}
                 if base is None and (yield from self._look_again(met)):
                     continue
                 return planned
