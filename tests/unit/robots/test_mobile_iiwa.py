@@ -11,7 +11,6 @@ from skiros_py.devices.force_torque import ForceTorqueSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.devices.mobile_base import BaseSpec
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.ports.kinematics import write_robot_urdf
 from skiros_py.station.session import Options, Session
 
@@ -81,17 +80,3 @@ def test_its_base_is_omnidirectional_and_its_gripper_opens_110_mm(robot, model):
 
     assert robot.of(BaseSpec)[0].drives_sideways
     assert sum(model.upperPositionLimit[fingers]) == pytest.approx(robot.of(GripperSpec)[0].max_gap) == 0.11
-
-
-def test_of_1000_reachable_poses_998_are_solved_within_the_joint_limits(arm):
-    rng, solver, solved = np.random.default_rng(11), IkSolver(arm), 0
-    home, limits = np.array(arm.spec.home), (arm.lower, arm.upper)
-    for _ in range(1000):
-        target = arm.tip_pose(rng.uniform(*limits))
-
-        for q in solver.branches(target.homogeneous, home, limits, rng, count=1)[:1]:
-            error = pin.log6(arm.tip_pose(q).actInv(target)).vector
-            close = np.linalg.norm(error[:3]) < 2e-4 and np.linalg.norm(error[3:]) < 1e-3
-            solved += close and bool(np.all((arm.lower <= q) & (q <= arm.upper)))
-
-    assert solved >= 998

@@ -16,7 +16,6 @@ from skiros_py.devices.force_torque import ForceTorqueState
 from skiros_py.devices.gripper import GripperSpec, GripperState, GripperTarget
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
-from skiros_py.motion.pinocchio.collision import self_collision_pairs
 from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec
@@ -81,34 +80,6 @@ def test_masses_speeds_and_limits_are_those_of_the_data_sheet(tmp_path: Path) ->
     assert {name: masses[name] for name in MASSES} == MASSES
     assert np.rad2deg(arm().velocity) == pytest.approx(SPEEDS)
     assert np.rad2deg(arm().upper) == pytest.approx([360.0] * 6)
-
-
-def test_its_links_do_not_touch_each_other_at_home() -> None:
-    shapes, pairs = arm().collision_shapes(0.14), self_collision_pairs(arm())
-    for first, second in pairs:
-        shapes.addCollisionPair(pin.CollisionPair(shapes.getGeometryId(first), shapes.getGeometryId(second)))
-    data = shapes.createData()
-    for request in data.collisionRequests:
-        request.security_margin = 0.005
-
-    assert len(pairs) > 50
-    assert not pin.computeCollisions(
-        arm().model, arm().model.createData(), shapes, data, np.array(arm().spec.home), True
-    )
-
-
-def test_reachable_poses_are_solved_within_the_joint_limits() -> None:
-    rng, solver, home = np.random.default_rng(11), IkSolver(arm()), np.array(arm().spec.home)
-    solved = 0
-    for _ in range(1000):
-        target = arm().tip_pose(rng.uniform(arm().lower, arm().upper))
-        found = solver.branches(target.homogeneous, home, (arm().lower, arm().upper), rng, count=1)
-        for q in found[:1]:
-            error = pin.log6(arm().tip_pose(q).actInv(target)).vector
-            close = np.linalg.norm(error[:3]) < 2e-4 and np.linalg.norm(error[3:]) < 1e-3
-            solved += bool(close) and bool(np.all((arm().lower <= q) & (q <= arm().upper)))
-
-    assert solved >= 998
 
 
 def test_solutions_are_by_whole_turns_as_near_to_where_the_arm_is_as_its_limits_allow() -> None:

@@ -113,7 +113,7 @@ def _put_back(world: World, work: Workspace) -> Iterator[str]:
 
 
 def _unknown_poses(view: WorldView) -> Iterator[str]:
-    """Yields for each place which things lie there nobody knows where."""
+    """Yields for each place the things that lie there and were never seen."""
     unknown: dict[str, list[str]] = {}
     for thing in (*view.instances(v.MANIPULATABLE), *view.instances(v.STOCK)):
         at = view.placement(thing)

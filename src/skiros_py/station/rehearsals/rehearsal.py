@@ -86,7 +86,7 @@ class RunningRehearsal:
                     self._listener(answer)
         except (OSError, EOFError):
             answer = None
-        except Exception as error:  # noqa: BLE001 - of the listener: whoever waits must not wait for ever
+        except Exception as error:  # noqa: BLE001 - of the listener: what waits must not wait for ever
             answer = DeviceError(f"the rehearsal broke: {type(error).__name__}: {error}")
         self._end()
         if isinstance(answer, Rehearsal):

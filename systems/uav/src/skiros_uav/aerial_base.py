@@ -44,6 +44,8 @@ _SETTLING = 2.0
 """Speed per distance from the end of a leg [1/s]."""
 _PULL = 3.0
 """Speed per distance from the line of a leg [1/s]."""
+_CYCLE = 0.005
+"""In this time it may get faster by what its acceleration allows: a control cycle [s]."""
 _SHARE = 0.8
 """Share of the acceleration that is planned with; the rest is left for corrections."""
 _NEAR, _ALIGNED = 0.004, math.radians(0.2)
@@ -231,7 +233,7 @@ class AerialBaseSpec(MobileSpec[AerialState, AerialTwist]):
     def _slowing(self, left: float, before: float, fastest: float) -> float:
         """Returns how fast it may be before the end of a leg [m/s]."""
         most = _SHARE * self.max_linear_acceleration
-        return min(fastest, before + most / 200.0 + 0.01, math.sqrt(2.0 * most * left), _SETTLING * left)
+        return min(fastest, before + most * _CYCLE + 0.01, math.sqrt(2.0 * most * left), _SETTLING * left)
 
     def _twist(self, here: Pose, wanted: Iterable[float], turning: float) -> AerialTwist:
         cos, sin = math.cos(here.yaw), math.sin(here.yaw)

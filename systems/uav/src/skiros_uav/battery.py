@@ -19,6 +19,8 @@ _ELECTRONICS = 15.0
 """Power of everything but the rotors [W]."""
 _PER_THRUST = 1.15
 """Power of the rotors per thrust^1.5 [W / N^1.5]: momentum theory for six discs of 0.19 m radius, 68 % of it used."""
+_HOVERING = 90.0
+"""Thrust that a fake robot is taken to need in the air [N]."""
 _CHARGER = 0.3
 """How far from the contact of a charger it is still charged [m]."""
 
@@ -126,7 +128,7 @@ class _Fake:
 
     def state(self) -> BatteryState:
         x, y, z = self._robot.pose.position
-        power = _ELECTRONICS + (_PER_THRUST * 90.0**1.5 if z > 0.0 else 0.0)
+        power = _ELECTRONICS + (_PER_THRUST * _HOVERING**1.5 if z > 0.0 else 0.0)
         self._state = self._spec.after(self._state, self._robot.period, power, None if z > 0.0 else (x, y))
         return self._state
 
