@@ -26,7 +26,7 @@ def folder(tmp_path: Path) -> Path:
     (pages / "assets").mkdir(parents=True)
     (pages / "index.html").write_bytes(INDEX)
     (pages / "assets" / "index-a1b2.js").write_bytes(SCRIPT)
-    (pages / "assets" / "index-a1b2.js.gz").write_bytes(gzip.compress(SCRIPT))
+    (pages / "assets" / "index-a1b2.js.gz").write_bytes(gzip.compress(SCRIPT, mtime=0))
     (pages / "assets" / "index-a1b2.js.br").write_bytes(b"as if by brotli")
     (pages / "assets" / "text-c3d4.woff2").write_bytes(b"font")
     (pages / "favicon.svg").write_bytes(b"<svg/>")
@@ -118,7 +118,7 @@ def test_a_compressed_file_is_sent_if_the_browser_accepts_it(
         "text/javascript; charset=utf-8",
     )
     assert len(sent) == int(script.headers["content-length"])
-    assert sent == {"br": b"as if by brotli", "gzip": gzip.compress(SCRIPT), None: SCRIPT}[encoding]
+    assert sent == {"br": b"as if by brotli", "gzip": gzip.compress(SCRIPT, mtime=0), None: SCRIPT}[encoding]
 
 
 def test_fonts_have_the_same_media_type_on_every_machine(client: TestClient) -> None:
