@@ -30,6 +30,7 @@ from skiros_py.messages import Message, listed
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import (
+    SHARES,
     ArmPlanner,
     Held,
     MotionPlan,
@@ -152,26 +153,42 @@ class Docks:
     def __init__(self, primitive: Primitive[Any], robot: RobotSpec, arm: ArmSpec, location: str, task: Task) -> None:
         self._primitive, self._context = primitive, primitive.context
         self._robot, self._arm, self._location, self._task = robot, arm, location, task
+        self._known: dict[tuple[Pose, Wanted], bool] = {}
 
-    def planned(self, base: Pose, wanted: Sequence[Wanted]) -> Execution[int]:
-        """Returns how many of some things the arm comes to from straight above, by whole motions."""
+    def planned(self, base: Pose, wanted: Sequence[Wanted], least: int = 0) -> Execution[int]:
+        """Returns how many of some things the arm comes to from straight above, by whole motions.
+
+        Args:
+            base: Where its base stands, in the map.
+            wanted: The things.
+            least: It ends early where it cannot be as many any more.
+        """
         count = 0
-        for one in wanted:
-            for tools, lift in product(filter(None, (one.tools, one.others)), LIFTS):
-                request = MotionRequest(
-                    device=self._arm.id,
-                    start=self._arm.home,
-                    base=base,
-                    routes=tuple(above_routes(tools, self._task.touching, lift)),
-                    obstacles=obstacles(self._context, parts=False),
-                    held=self._task.held,
-                    seed=self._primitive.seed(),
-                )
-                planner = self._context.port(ArmPlanner, self._arm.id)
-                if isinstance((yield from self._primitive.wait(planner.plan(request))), MotionPlan):
-                    count += 1
-                    break
+        for number, one in enumerate(wanted):
+            if count + len(wanted) - number < least:
+                break
+            if (base, one) not in self._known:
+                self._known[base, one] = yield from self._comes_to(base, one)
+            count += self._known[base, one]
         return count
+
+    def _comes_to(self, base: Pose, one: Wanted) -> Execution[bool]:
+        """Returns whether there is a motion: one that keeps away from things also comes as near to them as possible."""
+        planner = self._context.port(ArmPlanner, self._arm.id)
+        for tools, lift in product(filter(None, (one.tools, one.others)), reversed(LIFTS)):
+            request = MotionRequest(
+                device=self._arm.id,
+                start=self._arm.home,
+                base=base,
+                routes=tuple(above_routes(tools, self._task.touching, lift)),
+                obstacles=obstacles(self._context, parts=False),
+                held=self._task.held,
+                seed=self._primitive.seed(),
+                shares=SHARES[-1:],
+            )
+            if isinstance((yield from self._primitive.wait(planner.plan(request))), MotionPlan):
+                return True
+        return False
 
     def reaches(self, taught: Pose) -> Execution[bool]:
         """Returns whether all that is wanted is within reach from the driving pose or another one."""
@@ -209,7 +226,8 @@ class Docks:
             if self._count(reached[number]) > most and (yield from is_free(bases[number])):
                 left -= 1
                 wanted = self._within_reach(reached[number])
-                count = (yield from self.planned(bases[number], wanted)) + self._looks(reached, number)
+                looks = self._looks(reached, number)
+                count = (yield from self.planned(bases[number], wanted, most + 1 - looks)) + looks
                 best, most = (bases[number], count) if count > most else (best, most)
         return best
 

@@ -19,6 +19,7 @@ from skiros_py.ports.motion import SearchTask
 _LOCAL = 0.5  # share of samples drawn around the straight line
 _SPREAD = 0.6  # [rad] standard deviation of those
 _BRANCH = 0.35  # [rad] length of one branch of a tree
+_BOXED_IN = 600  # samples after which a search ends one of whose trees has not got beyond its root
 _NEARER = 0.05  # [rad] by which a branch must come nearer to what it grows towards; constraints may throw it back
 _CROWD = 0.5  # [rad] within which nodes of an expansive tree crowd each other
 _EXPANSION = 0.8  # [rad] greatest step of each joint from a node of such a tree
@@ -36,7 +37,9 @@ class RrtConnect:
         """Returns way points from start to goal, or None."""
         rng = np.random.default_rng(task.seed)
         here, there = _Tree(task.start), _Tree(task.goal)
-        for _ in range(task.iterations):
+        for number in range(task.iterations):
+            if number == _BOXED_IN and 1 in (len(here.postures), len(there.postures)):
+                return None
             leaf = self._extend(task, here, _sample(task, rng))
             if leaf is not None:
                 other = self._reach(task, there, here.postures[leaf])
