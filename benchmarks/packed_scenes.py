@@ -18,8 +18,8 @@ _WIDE = 0.028, 0.040
 """Distances between parts through which one does [m]."""
 _PLAY = 0.003
 """Play of a part in its compartment, on each side [m]."""
-_WALL = 0.004
-"""Thickness of the walls around a compartment [m]; two of them are between two compartments."""
+_BETWEEN = 0.024, 0.030
+"""Distances between compartments, across which fingers get, but no palm beside what is higher [m]."""
 _ROW = 3
 """So many parts stand in a row on the first place, and so many compartments are in the first row of the kit."""
 _AWAY = 2.2, 2.7
@@ -40,8 +40,10 @@ def packed(seed: int) -> Scene:
     text += [
         *_in_a_row(chance, types[:_ROW], 1, heights[0]),
         *_in_a_row(chance, types[_ROW:], 2, heights[1]),
-        *kit(spots[2], heights[2], chance.turn(0.2), _compartments(chance.some(types, 5))),
     ]
+    wall = min(0.033, max(0.008, min(one.grasp_height for one in types) - 0.015))
+    cells = _compartments(chance.some(types, 5), chance.within(*_BETWEEN))
+    text += kit(spots[2], heights[2], chance.turn(0.2), cells, wall=wall)
     goals = tuple(f"InKit({one.label}, kit_1)" for one in types)
     own = tuple(one for one in types if one.blocks)
     return Scene(f"packed_{seed}", seed, "packed", own, tuple(text), goals)
@@ -51,7 +53,9 @@ def _in_a_row(chance: Chance, types: list[PartType], place: int, height: float) 
     """Returns parts beside each other, from left to right of who stands before the place; one lies across."""
     across = chance.count(0, len(types) - 1)
     extents = [(one.outline[::-1] if number == across else one.outline) for number, one in enumerate(types)]
-    gaps = [chance.within(*(_NARROW if chance.count(0, 2) else _WIDE)) for _ in types[1:]]
+    # beside what lies across, whose fingers come from before and behind, it may be narrow: that can be taken first
+    beside = [across in (number, number + 1) and chance.count(0, 2) > 0 for number in range(len(types) - 1)]
+    gaps = [chance.within(*(_NARROW if narrow else _WIDE)) for narrow in beside]
     y = -(sum(extent[1] for extent in extents) + sum(gaps)) / 2.0
     text = []
     for number, (one, (_, wide)) in enumerate(zip(types, extents, strict=True)):
@@ -62,10 +66,9 @@ def _in_a_row(chance: Chance, types: list[PartType], place: int, height: float) 
     return text
 
 
-def _compartments(types: list[PartType]) -> list[Cell]:
+def _compartments(types: list[PartType], between: float) -> list[Cell]:
     """Returns a compartment for each part, with just room for it, in two rows."""
     sizes = [tuple(length + 2.0 * _PLAY for length in one.outline) for one in types]
-    between = 2.0 * _WALL + 0.002
     deep = [max(x for x, _ in row) for row in (sizes[:_ROW], sizes[_ROW:])]
     cells = []
     for row, some in enumerate((sizes[:_ROW], sizes[_ROW:])):

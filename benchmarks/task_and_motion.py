@@ -22,7 +22,7 @@ from argparse import ArgumentParser
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import groupby, product
+from itertools import product
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -46,12 +46,13 @@ from skiros_py.config import ONTOLOGIES
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import SkirosError
-from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.geometry import Array, Pose
 from skiros_py.motion.base_paths import BasePaths
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.requests import RuledOut
 from skiros_py.ports.adapters import InstalledPorts
+from skiros_py.ports.kinematics import BASE_LINK, Kinematics
 from skiros_py.ports.motion import (
     BasePathRequest,
     Held,
@@ -223,11 +224,13 @@ class Geometry:
         thing = on_floor(context, location)
         if thing is None or not tools:
             return []
-        kinematics = self.motion._arms[self.arm.id]
-        mount = kinematics.joint_places(np.array(self.arm.home))[0]
+        kinematics, link = self.ports.port(Kinematics, self.arm.id), self.arm.tip
+        while (parent := kinematics.parents.get(link, BASE_LINK)) != BASE_LINK:
+            link = parent
+        mount = kinematics.pose(link, {})
         wanted = np.array([tool.position[:2] for tool in tools])
         area = floor_area(thing.solid, thing.pose)
-        docks = docks_around(area, self.robot.outline, Pose(tuple(mount.tolist())), taught, wanted)
+        docks = docks_around(area, self.robot.outline, mount, taught, wanted)
         around = shapely.union_all([floor_area(one.solid, one.pose) for one in obstacles(context, parts=False)])
         free = (one for one in docks if not shapely.dwithin(placed(self.robot.outline, one), around, _GAP - 1e-3))
         return sorted(free, key=taught.distance)

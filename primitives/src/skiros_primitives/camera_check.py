@@ -110,10 +110,10 @@ def note_sighting(context: RunContext, camera: str, thing: str, seen: Sighting, 
             kept.pop()  # it has the same error as that from now
         kept.append((seen.robot, between if first == other else -between))
         error = float(np.linalg.norm(np.mean([one for _, one in kept], axis=0)))
-        agree = pictures.agree[first, second] = error <= _MOST_APART + _SIGMAS * noise / math.sqrt(len(kept))
-        if not agree:
+        pictures.agree[first, second] = error <= _MOST_APART
+        if error > _MOST_APART + _SIGMAS * noise / math.sqrt(len(kept)):
             differ[other] = error
-        else:
+        elif error <= _MOST_APART:
             for one, confirmed in ((camera, other), (other, camera)):
                 if confirmed in pictures.compared and context.world.value(confirmed, v.SIGHT_ERROR) is None:
                     _clear(context, one, author)

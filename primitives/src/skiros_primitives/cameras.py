@@ -131,7 +131,7 @@ def seen_within(context: RunContext, camera: CameraSpec, region: Region) -> floa
     between = [*obstacles(context, parts=False)]
     for robot in context.cell.robots:
         between += robot_blocks(context, robot, tree, _LINK)
-    free = inside & ~_hidden(np.array(at.position), points, between)
+    free = inside & np.logical_not(_hidden(np.array(at.position), points, between))
     return error_at(camera, float(distance.max())) if free.mean() >= _SEEN else None
 
 

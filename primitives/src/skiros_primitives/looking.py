@@ -14,8 +14,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
-from skiros_primitives.cameras import OVER, best_camera
 from skiros_primitives.camera_check import blame, compare, is_due, is_turned, note_sighting
+from skiros_primitives.cameras import OVER, best_camera
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_primitives.views import repainted, unlocated
@@ -494,6 +494,7 @@ class RegisterPart(LookingPrimitive):
     """The second look, with the camera exactly above the part: nothing hides its far side."""
 
     name: ClassVar[str] = "register_part"
+
     @dataclass(frozen=True, slots=True)
     class Params(LookingParams):
         """Parameters."""
@@ -557,7 +558,6 @@ class RegisterPart(LookingPrimitive):
         return Success(
             Message("{part} at ({x:.3f}, {y:.3f})", part=part, x=nearest.pose.position[0], y=nearest.pose.position[1])
         )
-
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:

@@ -107,9 +107,7 @@ def hand_camera(context: RunContext, arm: str) -> CameraSpec | None:
     return next((one for one in context.cell.group_of(arm).of(CameraSpec) if one.id in owned), None)
 
 
-def robot_blocks(
-    context: RunContext, robot: RobotSpec, tree: FrameTree, thick: float = _LINK
-) -> Iterator[Obstacle]:
+def robot_blocks(context: RunContext, robot: RobotSpec, tree: FrameTree, thick: float = _LINK) -> Iterator[Obstacle]:
     """Yields a robot as blocks: its base, its links and what its grippers hold.
 
     Args:

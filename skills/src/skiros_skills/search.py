@@ -29,7 +29,7 @@ DESCRIPTION = SkillDescription(
         Param("Arm", ARM, "The arm that carries the camera.", Kind.HARDWARE),
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
         Param("Camera", CAMERA, "The camera on the arm.", Kind.HARDWARE),
-        Param("View", CAMERA, "The camera for a look at the place; left open: the one that sees it best.", Kind.OPTIONAL),
+        Param("View", CAMERA, "Looks at the place; left open: the camera that sees it best.", Kind.OPTIONAL),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
         Param("Object", MANIPULATABLE, "The part."),
         Param("Compartment", kitting.COMPARTMENT, "Where the part may be."),
