@@ -29,6 +29,11 @@ def test_what_is_in_the_way_is_taken_first_whichever_it_is() -> None:
         alternator_last = picked(session, blocked("alternator_1", "starter_1"))
         none = picked(session, blocked("starter_1", "alternator_1"), blocked("alternator_1", "starter_1"))
 
+    with Session("kitting", Options(fake=True)) as session:
+        kit = RuledOut("place", "arm_1", "kit_1_a", None, "no room", ("alternator_1", "kit_1_b"))
+        both = picked(session, blocked("alternator_1", "starter_1"), kit)
+
+    assert both == ["starter_1", "alternator_1"]
     assert starter_last == ["alternator_1", "starter_1"]
     assert alternator_last == ["starter_1", "alternator_1"]
     assert none == []

@@ -197,10 +197,11 @@ class _IsOneOf:
         return Verdict(holds, Message("{one} and {other}", one=one, other=other))
 
 
-def _unblocked(agent: str, target: str, blocked: Sequence[RuledOut]) -> Iterator[Pattern]:
+def _unblocked(skill: str, agent: str, target: str, blocked: Sequence[RuledOut]) -> Iterator[Pattern]:
     """Yields that each thing that was in the way of a target is elsewhere.
 
     Args:
+        skill: Name of the skill: what it computes for a task goes by its name there.
         agent: Key of the parameter for who tries it.
         target: Key of the parameter for its target.
         blocked: Attempts that something was in the way of.
@@ -215,13 +216,13 @@ def _unblocked(agent: str, target: str, blocked: Sequence[RuledOut]) -> Iterator
         places = frozenset(one.blocker for one in nth if one.blocker)
         moved = AllOf(
             (
-                Computed("in the way of", "thing", target, _IsOneOf(pairs, wanted=True)),
+                Computed(f"in the way of {skill} {number}", "thing", target, _IsOneOf(pairs, wanted=True)),
                 Related(IN, "thing", "elsewhere"),
-                Computed("not in", "thing", "elsewhere", _IsOneOf(places, wanted=False)),
+                Computed(f"away after {skill} {number}", "thing", "elsewhere", _IsOneOf(places, wanted=False)),
             )
         )
         elsewhere = Exists("thing", MANIPULATABLE, Exists("elsewhere", LOCATION, moved))
-        yield AnyOf((Computed("may try", agent, target, _MayTry(tuple(nth))), elsewhere))
+        yield AnyOf((Computed(f"may {skill} beside {number}", agent, target, _MayTry(tuple(nth))), elsewhere))
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,16 +281,16 @@ class PlanRequest:
         roles = tuple(Role(key, skill.param(key).element_class) for key in (agent, target))
         all_own = tuple(one for one in self.ruled_out if one.skill in (None, skill.name))
         own = tuple(one for one in all_own if one.blocker is None)
-        patterns = [*_unblocked(agent, target, [one for one in all_own if one.blocker is not None])]
+        patterns = [*_unblocked(skill.name, agent, target, [one for one in all_own if one.blocker is not None])]
         if self.left_out:
             patterns.append(Computed("may try", agent, target, _NotLeftOut(tuple(sorted(self.left_out.items())))))
         if anywhere := tuple(one for one in own if one.place is None):
-            patterns.append(Computed("may try", agent, target, _MayTry(anywhere)))
+            patterns.append(Computed(f"may {skill.name}", agent, target, _MayTry(anywhere)))
         if there := tuple(one for one in own if one.place is not None):
             stands = Exists("robot", ROBOT, AllOf((Related(HAS_A, "robot", agent), Related(AT, "robot", "place"))))
-            new = Computed("may try from", "place", target, _MayTryFrom(there))
+            new = Computed(f"may {skill.name} from", "place", target, _MayTryFrom(there))
             elsewhere = Exists("place", LOCATION, AllOf((stands, new)))
-            patterns.append(AnyOf((Computed("may try", agent, target, _MayTry(there)), elsewhere)))
+            patterns.append(AnyOf((Computed(f"may {skill.name} at all", agent, target, _MayTry(there)), elsewhere)))
         if not patterns:
             return skill
         may_try = ConditionType("MayTry", roles, AllOf(tuple(patterns)), "The target was not given up.")
