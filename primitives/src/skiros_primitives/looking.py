@@ -327,7 +327,7 @@ class LookingPrimitive(ArmPrimitive):
         if holding is None:
             return True
         part, held = holding
-        found = yield from self.how_it_sits(image, self.params.camera, part, held.pose)
+        found = yield from self.how_it_sits(image, self.params.camera, part, held.pose, self._around())
         if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
             slid = found.pose.distance(held.pose) * 1e3
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
