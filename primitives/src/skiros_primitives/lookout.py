@@ -123,11 +123,11 @@ class Lookout:
         for obstacle in self._doubted:
             for block in obstacle.solid.primitives:
                 to_block = (obstacle.pose @ block.pose).inverse()
-                start, ends, half = to_block.apply(np.array(scanner.position)), to_block.apply(points), _half(block)
+                start, ends, half = to_block.apply(np.array(scanner.position)), to_block.apply(points), half_size(block)
                 inside = (np.abs(ends) < half + _EXPLAINED).all(axis=1) & (points[:, 2] > _FLOOR)
                 foot = _CORE * half[0], _CORE * half[1], _FOOT / 2.0
                 rise = (0.0, 0.0, foot[2] - half[2])
-                through = float(_crossed(start - rise, ends - rise, np.array(foot)).sum())
+                through = float(crossed(start - rise, ends - rise, np.array(foot)).sum())
                 self._doubted[obstacle] += -math.inf if inside.any() else through
 
     def _scan(self, spec: ScannerSpec) -> ScannerState:
@@ -207,20 +207,20 @@ def _distances(points: Array, pose: Pose, block: Primitive, on_top: float) -> Ar
 
     A cylinder counts as the box around it.
     """
-    half = _half(block)
+    half = half_size(block)
     local = pose.inverse().apply(points)
     local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - on_top))
     outside = np.abs(local) - half
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
 
 
-def _half(block: Primitive) -> Array:
+def half_size(block: Primitive) -> Array:
     """Returns half of the size of the box around a block [m]."""
     size = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
     return np.array(size) / 2.0
 
 
-def _crossed(start: Array, ends: Array, half: Array) -> Array:
+def crossed(start: Array, ends: Array, half: Array) -> Array:
     """Returns which rays from a start to some ends come into a box around the origin, shape (n,)."""
     way = ends - start
     way = np.where(np.abs(way) < 1e-9, 1e-9, way)

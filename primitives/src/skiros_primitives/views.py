@@ -71,7 +71,7 @@ def depth_view(context: RunContext, arm: str, image: DepthImage, camera: str, ar
     moving = tuple(
         replace(one, error=0.0 if robot is own else _APART)
         for robot in context.cell.robots
-        for one in _robot(context, robot, tree)
+        for one in robot_blocks(context, robot, tree)
     )
     return DepthView(arm, depth, intrinsics, camera_pose, image.snapshot.time, known, moving)
 
@@ -99,8 +99,21 @@ def _unlocated(context: RunContext, place: str) -> Obstacle | None:
     return Obstacle(place, Solid.box(2.0 * x, 2.0 * y, height), region.pose @ lift)
 
 
-def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[Obstacle]:
-    """Yields a robot as blocks: its base, its links and what its grippers hold."""
+def hand_camera(context: RunContext, arm: str) -> CameraSpec | None:
+    """Returns the camera on an arm; None for none."""
+    owned = context.world.objects(arm, v.HAS_A)
+    return next((one for one in context.cell.group_of(arm).of(CameraSpec) if one.id in owned), None)
+
+
+def robot_blocks(context: RunContext, robot: RobotSpec, tree: FrameTree, thick: float = _LINK) -> Iterator[Obstacle]:
+    """Yields a robot as blocks: its base, its links and what its grippers hold.
+
+    Args:
+        context: The run.
+        robot: The robot.
+        tree: Where everything is.
+        thick: How far links stick out around the line between their joints [m].
+    """
     base, height = robot.pose(tree.snapshot, context.board.guard), _HEIGHT
     kinematics = context.frames.kinematics(robot)
     if kinematics is not None:
@@ -111,7 +124,7 @@ def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[O
             if parent == BASE_LINK:
                 height = max(height, links[link].position[2] + _LINK)
             else:
-                yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else _LINK)
+                yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else thick)
     xs, ys = zip(*robot.outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, height / 2.0))
     block = geometry.Primitive("box", (max(xs) - min(xs), max(ys) - min(ys), height))
@@ -273,8 +286,7 @@ class SeeingPrimitive(Primitive[Any]):
     @property
     def hand_camera(self) -> CameraSpec | None:
         """The camera on the arm; None for none."""
-        owned = self.world.objects(self.params.arm, v.HAS_A)
-        return next((one for one in self.robot.of(CameraSpec) if one.id in owned), None)
+        return hand_camera(self.context, self.params.arm)
 
     def _way_seen(
         self, mapper: SceneMapper, camera: str, around: tuple[Obstacle, ...], rest: Callable[[], MotionCheck]
