@@ -150,7 +150,7 @@ class Geometry:
 
     def context(self, now: Situation) -> RunContext:
         """Returns a context in which the world is as in a situation."""
-        return replace(self.session.runtime.context, world=now.world, ports=self.ports)  # type: ignore[arg-type]
+        return replace(self.session.runtime.context, world=now.world, ports=self.ports)
 
     def motions(self, steps: Sequence[Step]) -> list[Motion] | RuledOut:
         """Returns the motions of a plan, or why one of its steps has none."""
@@ -185,7 +185,7 @@ class Geometry:
         target = step.arguments["Location"] if after is None else after.arguments[_TARGET[after.skill]]
         tools, held = self._tools(context, after), held_by(context, self.gripper.id)
         docks = [taught, *self._docks(context, location, taught, tools)]
-        touching = frozenset({location, target, *((kit_of(now.world, target),) if held else ())})  # type: ignore[arg-type]
+        touching = frozenset({location, target, *((kit_of(now.world, target),) if held else ())})
         request = ReachRequest(
             device=self.arm.id,
             bases=tuple(docks),

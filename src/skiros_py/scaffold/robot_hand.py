@@ -113,7 +113,7 @@ def add_hand(
 
 
 class _Stand:
-    """Two fingers in the frame of the palm [m], as they stand when open, or turned towards each other by an angle [rad]."""
+    """Two fingers in the frame of the palm [m], as they stand when open, or each turned inwards by an angle [rad]."""
 
     def __init__(
         self, model: RobotDescription, gripper: Gripper, points: Mapping[str, Array], lean: float = 0.0
