@@ -150,7 +150,7 @@ class Geometry:
 
     def context(self, now: Situation) -> RunContext:
         """Returns a context in which the world is as in a situation."""
-        return replace(self.session.runtime.context, world=now.world, ports=self.ports)
+        return replace(self.session.runtime.context, world=now.world, ports=self.ports)  # type: ignore[arg-type]
 
     def motions(self, steps: Sequence[Step]) -> list[Motion] | RuledOut:
         """Returns the motions of a plan, or why one of its steps has none."""
