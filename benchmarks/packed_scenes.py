@@ -70,7 +70,7 @@ def _compartments(types: list[PartType], between: float) -> list[Cell]:
     """Returns a compartment for each part, with just room for it, in two rows."""
     sizes = [tuple(length + 2.0 * _PLAY for length in one.outline) for one in types]
     deep = [max(x for x, _ in row) for row in (sizes[:_ROW], sizes[_ROW:])]
-    cells = []
+    cells: list[Cell] = []
     for row, some in enumerate((sizes[:_ROW], sizes[_ROW:])):
         x = (-1.0, 1.0)[row] * (deep[row] + between) / 2.0
         y = -(sum(wide for _, wide in some) + between * (len(some) - 1)) / 2.0

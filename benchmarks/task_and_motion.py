@@ -185,7 +185,7 @@ class Geometry:
         target = step.arguments["Location"] if after is None else after.arguments[_TARGET[after.skill]]
         tools, held = self._tools(context, after), held_by(context, self.gripper.id)
         docks = [taught, *self._docks(context, location, taught, tools)]
-        touching = frozenset({location, target, *((kit_of(now.world, target),) if held else ())})  # type: ignore[arg-type]
+        touching = frozenset({location, target, *((kit_of(now.world, target),) if held else ())})
         request = ReachRequest(
             device=self.arm.id,
             bases=tuple(docks),

@@ -24,7 +24,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose
+from skiros_py.skills.surroundings import map_pose, write_seen
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -157,7 +157,7 @@ class Locate(LookingPrimitive):
         with self.world.transaction(author=self.name, reason=Message("look at {place}", place=self.params.place)) as tx:
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(v.IN, self.params.place))
-                write_pose(tx, part, pose)
+                write_seen(self.context, tx, part, pose, self.params.place)
                 if element:
                     tx.place(part, v.IN, self.params.place)  # a missing part is found
                     tx.set(part, v.MISSED_LOOKS, None)

@@ -42,7 +42,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.pictures import Sighting
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of, write_seen
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
@@ -381,7 +381,7 @@ class LookingPrimitive(ArmPrimitive):
         if holding is None:
             return True
         part, held = holding
-        found = yield from self.how_it_sits(image, self.camera, part, held.pose)
+        found = yield from self.how_it_sits(image, self.camera, part, held.pose, self._around())
         if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
             slid = found.pose.distance(held.pose) * 1e3
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
@@ -544,7 +544,7 @@ class RegisterPart(LookingPrimitive):
         self.tell(blame(self.context, camera, differ, self.name))
 
     def _judge(self, nearest: Detection | None, believed: Pose) -> Outcome:
-        part = self.params.part
+        part, placement = self.params.part, self.world.placement(self.params.part)
         wanted = self.world.element(part).type
         if nearest is None or nearest.pose.distance(believed) > _NEAR:
             return self._forget(Message("{part} is not where the first look saw it", part=part))
@@ -554,7 +554,7 @@ class RegisterPart(LookingPrimitive):
         with self.world.transaction(
             author=self.name, reason=Message("cost {cost:.1f} mm", cost=nearest.cost * 1000.0)
         ) as tx:
-            write_pose(tx, part, nearest.pose)
+            write_seen(self.context, tx, part, nearest.pose, None if placement is None else placement.place)
         return Success(
             Message("{part} at ({x:.3f}, {y:.3f})", part=part, x=nearest.pose.position[0], y=nearest.pose.position[1])
         )

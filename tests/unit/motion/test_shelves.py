@@ -13,7 +13,8 @@ from skiros_py.ports.motion import MotionPlan
 
 def test_ways_from_cell_to_cell_of_a_shelf_touch_nothing(robot: RobotSpec) -> None:
     motion, judge = ArmMotion(robot), Judge(robot)
-    drawn = list(problems(robot, range(1, 4, 2)))
+    drawn = [one for seed in (1, 22) for one in problems(robot, range(seed, seed + 1))]
+    # in shelf 22, the first postures that are found for the goal touch a board
 
     answers = [motion.plan(problem.request("arm")) for problem in drawn]
 

@@ -32,7 +32,7 @@ _ROOMY = (
 )  # [m] a posture that comes nearer than one of these is taken only if it saves as much motion as ...
 _TIGHT = 0.5  # [rad] ... this
 _LINE_MARGIN = 0.002  # [m] on lines, which go where it is narrow
-_POSTURES = 6  # tried per pose
+_POSTURES = 6  # tried per pose; where none of them is clear, all that the seeds lead to
 _SEEDS = 24  # for inverse kinematics per pose
 _BEAM = 4  # chains of one route kept after each move
 _STRAIGHT_TRIES = 8  # chains whose free moves are tried by joint interpolation before any is planned otherwise
@@ -93,24 +93,31 @@ class Postures:
         self._arm, self._solver, self._limits = arm, solver, (arm.lower, arm.upper)
         self._to_base = se3(base.inverse())
         self._rng = np.random.default_rng(seed)
-        self._known: dict[Pose, list[Array]] = {}
+        self._known: dict[tuple[Pose, int], list[Array]] = {}
 
     def in_base(self, pose: Pose) -> pin.SE3:
         """Returns a pose in the map in the frame of the base."""
         return self._to_base * se3(pose)
 
-    def near(self, pose: Pose, here: Array) -> list[Array]:
-        """Returns postures for a pose in the map, those first that are nearest to joint angles [rad]."""
+    def near(self, pose: Pose, here: Array, count: int = _POSTURES) -> list[Array]:
+        """Returns postures for a pose in the map, those first that are nearest to joint angles [rad].
+
+        Args:
+            pose: Where the tip shall be, in the map.
+            here: The joint angles.
+            count: Return at most as many.
+        """
         target = self.in_base(pose).homogeneous
         if self._arm.is_beyond_reach(target):
             return []
-        if pose not in self._known:
-            self._known[pose] = self._solver.branches(
-                target, here, self._limits, self._rng, count=_POSTURES, restarts=_SEEDS
+        key = pose, count
+        if key not in self._known:
+            self._known[key] = self._solver.branches(
+                target, here, self._limits, self._rng, count=count, restarts=_SEEDS
             )
         nearest = self._solver.solve(target, here)
-        found = self._known[pose] if nearest is None else [nearest, *self._known[pose]]
-        return sorted(found, key=lambda posture: float(np.linalg.norm(posture - here)))[:_POSTURES]
+        found = self._known[key] if nearest is None else [nearest, *self._known[key]]
+        return sorted(found, key=lambda posture: float(np.linalg.norm(posture - here)))[:count]
 
 
 class RouteSearch:
@@ -209,16 +216,19 @@ class RouteSearch:
     def _goals(self, chain: Chain, move: JointMove | PoseMove) -> list[Array] | Fault:
         """Returns the postures that end a free move, the nearest first."""
         if isinstance(move, JointMove):
-            postures = [np.array(move.positions)]
-            if beyond := self._arm.beyond_limits(postures[0], 0.0):
+            posture = np.array(move.positions)
+            if beyond := self._arm.beyond_limits(posture, 0.0):
                 return Fault("limits", f"it would end with {beyond}")
-        else:
-            postures = self._postures.near(move.pose, chain.end)
-            if not postures:
-                return self._unreachable(self._postures.in_base(move.pose))
-        faults = [self._free.fault(posture) for posture in postures]
-        clear = [posture for posture, fault in zip(postures, faults, strict=True) if fault is None]
-        return clear or faults[0] or []
+            return self._free.fault(posture) or [posture]
+        postures = self._postures.near(move.pose, chain.end)
+        if not postures:
+            return self._unreachable(self._postures.in_base(move.pose))
+        fault = self._free.fault(postures[0])
+        clear = list(filter(self._free.clear, postures))
+        if not clear:
+            more = self._postures.near(move.pose, chain.end, _SEEDS)
+            clear = list(filter(self._free.clear, more))[:_POSTURES]
+        return clear or fault or []
 
     def _unreachable(self, target: pin.SE3) -> Fault:
         away = float(np.linalg.norm(target.translation - self._arm.shoulder))
