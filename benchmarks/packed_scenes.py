@@ -14,7 +14,7 @@ from skiros_py.geometry import Pose
 
 _NARROW = 0.008, 0.013
 """Distances between parts through which no finger gets [m]."""
-_WIDE = 0.028, 0.040
+_WIDE = 0.036, 0.046
 """Distances between parts through which one does [m]."""
 _PLAY = 0.003
 """Play of a part in its compartment, on each side [m]."""
@@ -37,21 +37,24 @@ def packed(seed: int) -> Scene:
         spots.append(Pose.of(far * math.cos(angle), far * math.sin(angle), 0.0, yaw=angle))
     heights = [chance.within(0.45, 0.60) for _ in spots]
     text = [storage(f"pallet_{number + 1}", spots[number], heights[number]) for number in range(2)]
-    text += [
-        *_in_a_row(chance, types[:_ROW], 1, heights[0]),
-        *_in_a_row(chance, types[_ROW:], 2, heights[1]),
-    ]
+    first_of = []
+    for place, some in enumerate((types[:_ROW], types[_ROW:]), start=1):
+        across = chance.count(0, len(some) - 1)
+        text += _in_a_row(chance, some, across, place, heights[place - 1])
+        first_of += [(some[across], other) for other in some if other is not some[across]]
     wall = min(0.033, max(0.008, min(one.grasp_height for one in types) - 0.015))
-    cells = _compartments(chance.some(types, 5), chance.within(*_BETWEEN))
+    order = chance.some(types, 5)
+    while any((order.index(one) < _ROW) is (order.index(other) < _ROW) for one, other in first_of):
+        order = chance.some(types, 5)  # what is taken before another part does not stand in the way of that in the kit
+    cells = _compartments(order, chance.within(*_BETWEEN))
     text += kit(spots[2], heights[2], chance.turn(0.2), cells, wall=wall)
     goals = tuple(f"InKit({one.label}, kit_1)" for one in types)
     own = tuple(one for one in types if one.blocks)
     return Scene(f"packed_{seed}", seed, "packed", own, tuple(text), goals)
 
 
-def _in_a_row(chance: Chance, types: list[PartType], place: int, height: float) -> list[str]:
-    """Returns parts beside each other, from left to right of who stands before the place; one lies across."""
-    across = chance.count(0, len(types) - 1)
+def _in_a_row(chance: Chance, types: list[PartType], across: int, place: int, height: float) -> list[str]:
+    """Returns parts beside each other, from left to right of who stands before the place; one of them lies across."""
     extents = [(one.outline[::-1] if number == across else one.outline) for number, one in enumerate(types)]
     # beside what lies across, whose fingers come from before and behind, it may be narrow: that can be taken first
     beside = [across in (number, number + 1) and chance.count(0, 2) > 0 for number in range(len(types) - 1)]
