@@ -45,7 +45,7 @@ def packed(seed: int) -> Scene:
     wall = min(0.033, max(0.008, min(one.grasp_height for one in types) - 0.015))
     order = chance.some(types, 5)
     while any((order.index(one) < _ROW) is (order.index(other) < _ROW) for one, other in first_of):
-        order = chance.some(types, 5)  # beside a part across in the kit is none that has to be taken after it because of a narrow gap
+        order = chance.some(types, 5)  # what a narrow gap wants first is in another row than what waits for it
     cells = _compartments(order, chance.within(*_BETWEEN))
     text += kit(spots[2], heights[2], chance.turn(0.2), cells, wall=wall)
     goals = tuple(f"InKit({one.label}, kit_1)" for one in types)
