@@ -119,7 +119,7 @@ def _cycles(rounds: int) -> list[Figure]:
             "bare": _bare_loop(),
             "tasks": crowd.step,
             "composed": bench.cycle.step,
-            "peer": _py_trees(),
+            "peer": py_trees_tick(),
         }
         times = _in_turn({kind: tick for kind, tick in kinds.items() if tick is not None}, rounds)
         started = sum(event.module == "busy" and event.status is Status.STARTED for event in bench.events)
@@ -202,7 +202,7 @@ def _for_ever() -> Execution[None]:
         yield
 
 
-def _py_trees() -> Tick | None:
+def py_trees_tick() -> Tick | None:
     """Returns a tick of py_trees' tree, a parallel of running behaviours; None if py_trees is missing."""
     try:
         py_trees: Any = importlib.import_module("py_trees")

@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 from argparse import ArgumentParser
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,7 +24,9 @@ from table import Figure, duration, finish
 
 from skiros_py.config import ONTOLOGIES
 from skiros_py.errors import SkirosError
+from skiros_py.planning.plan import Plan
 from skiros_py.planning.requests import RuledOut
+from skiros_py.planning.service import Planned
 from skiros_py.skills.outcome import CANCELLED, Failure, Outcome
 from skiros_py.station.rehearsals.order import order_from
 from skiros_py.station.rehearsals.rehearsal import rehearsed
@@ -53,22 +56,29 @@ class Run:
 
 def pursued(path: Path, seed: int, ruled_out: Sequence[RuledOut] = ()) -> Run:
     """Pursues the goal of a scene without a rehearsal, by the truth of the simulation."""
-    last: dict[str, str] = {}
+    plans: list[Plan] = []
+    done, failed = Counter[str](), list[str]()
 
     def follow(task: TaskHandle) -> None:
         task.after_step(note)
 
+    def keep(planned: Planned) -> None:
+        plans.extend([planned.outcome] if isinstance(planned.outcome, Plan) else [])
+
     def note(run: StepRun, outcome: Outcome) -> None:
-        if isinstance(outcome, Failure) and outcome.code == CANCELLED:
-            return
-        last[str(run.step)] = outcome.reason if isinstance(outcome, Failure) else ""
+        if not isinstance(outcome, Failure):
+            done[str(run.step)] += 1
+        elif outcome.code != CANCELLED:
+            failed.append(outcome.reason)
 
     with Session(str(path), Options(seed=seed)) as session:
         session.tasks.on_begin(follow)
+        session.on_plan(keep)
         report = session.run(ruled_out=ruled_out)
-    failed = [reason for reason in last.values() if reason]
+    # another plan may repeat a step of the first one, such as a drive to a place where it then does something else
+    left = Counter(str(step) for plan in plans[:1] for step in plan.steps) - done
     reasons = [*failed, *(c.reason for c in report.conditions if c.reason), *report.no_plan]
-    return Run(report.reached, report.reached and not failed, "; ".join(reasons))
+    return Run(report.reached, report.reached and not left, "; ".join(dict.fromkeys(reasons)))
 
 
 @dataclass(frozen=True)

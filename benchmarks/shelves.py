@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,13 +19,13 @@ from chance import Chance
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
-from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import Checker, CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.kinematics import IkSolver
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.kinematics import write_robot_urdf
-from skiros_py.ports.motion import JointMove, MotionRequest, Obstacle, PoseMove
+from skiros_py.ports.motion import Held, JointMove, MotionRequest, Obstacle, PoseMove
 
 GAP = 0.04
 """Gap between the fingers [m]."""
@@ -158,9 +159,10 @@ class Judge:
         self._data, self._placed = self._model.createData(), self._shapes.createData()
         self._request = coal.CollisionRequest()
         self._request.security_margin = margin
-        self._zero = pin.neutral(self._model)
-        for joint in (joint for gripper in robot.of(GripperSpec) for joint in gripper.joints):
-            self._zero[self._model.joints[self._model.getJointId(joint)].idx_q] = GAP / 2.0
+        self._zero, self._tip = pin.neutral(self._model), self._model.getFrameId(self._arm.tip)
+        joints = [joint for gripper in robot.of(GripperSpec) for joint in gripper.joints]
+        self._fingers = [self._model.joints[self._model.getJointId(joint)].idx_q for joint in joints]
+        self._zero[self._fingers] = GAP / 2.0
         first = self._model.getJointId(self._arm.joints[0])
         objects = self._shapes.geometryObjects
         for shape in objects:
@@ -172,15 +174,27 @@ class Judge:
         self._place(np.array(self._arm.home))
         self._pairs = [pair for pair in self._pairs if not self._near(*pair)]
 
-    def first_contact(self, path: Sequence[Array] | Array, obstacles: Sequence[Obstacle]) -> str:
-        """Returns what is touched first by the postures of a path; empty if nothing is."""
-        blocks = [
-            (obstacle.id, coal.Box(*block.size), (obstacle.pose @ block.pose).matrix(), math.hypot(*block.size) / 2)
-            for obstacle in obstacles
-            for block in obstacle.solid.primitives
-        ]
+    def first_contact(
+        self, path: Sequence[Array] | Array, obstacles: Sequence[Obstacle], held: Held | None = None, gap: float = GAP
+    ) -> str:
+        """Returns what is touched first by the postures of a path; empty if nothing is.
+
+        Args:
+            path: Joint angles [rad].
+            obstacles: What must not be touched, in the frame of the robot.
+            held: What the gripper holds, or None.
+            gap: Between the fingers [m].
+        """
+        self._zero[self._fingers] = gap / 2.0
+        blocks = [(one.id, *_shape(block, one.pose)) for one in obstacles for block in one.solid.primitives]
+        in_hand = [] if held is None else [_shape(block, held.pose) for block in held.solid.primitives]
         for posture in path:
             self._place(np.asarray(posture))
+            tip = self._data.oMf[self._tip].homogeneous
+            for (shape, at, size), (name, box, matrix, radius) in product(in_hand, blocks):
+                far = np.linalg.norm((tip @ at)[:3, 3] - matrix[:3, 3]) - float(self._request.security_margin)
+                if far < radius + size and self._touch(shape, tip @ at, box, matrix):
+                    return f"what is held touches {name}"
             for i in self._moved:
                 for name, box, matrix, radius in blocks:
                     if self._ball_distance(i, matrix[:3, 3]) < radius and self._collide(i, box, matrix):
@@ -195,6 +209,7 @@ class Judge:
         for name, angle in zip(self._arm.joints, posture, strict=True):
             whole[self._model.joints[self._model.getJointId(name)].idx_q] = angle
         pin.updateGeometryPlacements(self._model, self._data, self._shapes, self._placed, whole)
+        pin.updateFramePlacement(self._model, self._data, self._tip)
 
     def _apart(self, i: int, j: int) -> bool:
         """Returns whether two shapes are neither of one body nor neighbours; each pair once."""
@@ -214,8 +229,16 @@ class Judge:
         return self._collide(i, self._shapes.geometryObjects[j].geometry, self._placed.oMg[j].homogeneous)
 
     def _collide(self, i: int, other: object, matrix: Array) -> bool:
-        mine = self._placed.oMg[i]
-        first = coal.Transform3s(mine.rotation, mine.translation)
-        second = coal.Transform3s(matrix[:3, :3], matrix[:3, 3])
-        shape = self._shapes.geometryObjects[i].geometry
+        return self._touch(self._shapes.geometryObjects[i].geometry, self._placed.oMg[i].homogeneous, other, matrix)
+
+    def _touch(self, shape: object, at: Array, other: object, matrix: Array) -> bool:
+        first, second = (coal.Transform3s(one[:3, :3], one[:3, 3]) for one in (at, matrix))
         return bool(coal.collide(shape, first, other, second, self._request, coal.CollisionResult()))
+
+
+def _shape(block: Primitive, frame: Pose) -> tuple[object, Array, float]:
+    """Returns a block as Coal has it, where it is, and the radius of a ball around it [m]."""
+    if block.kind == "box":
+        return coal.Box(*block.size), (frame @ block.pose).matrix(), math.hypot(*block.size) / 2.0
+    radius, length = block.size
+    return coal.Cylinder(radius, length), (frame @ block.pose).matrix(), math.hypot(radius, length / 2.0)

@@ -171,6 +171,16 @@ class Primitive:
         if len(self.size) != expected or not all(math.isfinite(s) and s > 0.0 for s in self.size):
             raise ValueError(f"a {self.kind} needs {expected} positive lengths, got {self.size}")
 
+    def outside(self, points: Array) -> Array:
+        """Returns how far points in the solid's frame are outside of the block [m], shape (n,)."""
+        local = self.pose.inverse().apply(points)
+        if self.kind == "box":
+            beyond = np.abs(local) - np.asarray(self.size) / 2.0
+        else:
+            radius, length = self.size
+            beyond = np.column_stack([np.hypot(local[:, 0], local[:, 1]) - radius, np.abs(local[:, 2]) - length / 2.0])
+        return np.asarray(np.linalg.norm(np.maximum(beyond, 0.0), axis=1))
+
 
 @dataclass(frozen=True, slots=True)
 class Solid:

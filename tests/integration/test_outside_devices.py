@@ -37,7 +37,7 @@ from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Expression
 from skiros_py.skills.outcome import Success
-from skiros_py.skills.surroundings import map_pose
+from skiros_py.skills.surroundings import map_pose, obstacles, write_seen
 from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.recordings.topics import camera_of
@@ -366,10 +366,12 @@ scene:arm_1 a sk:Arm ; sk:joints "shoulder elbow" ; sk:tip "tip" ; sk:home "0 0"
     sk:hasA scene:hand_1 , scene:wrench_1 .
 scene:hand_1 a lab:Hand ; sk:joints "a b c" .
 scene:wrench_1 a lab:Wrench ; sk:joints "wrist" .
-scene:table_1 a lab:Turntable ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .
+scene:table_1 a lab:Turntable ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor ;
+    sk:solid '[{"kind": "cylinder", "size": [0.6, 0.05], "at": [0, 0, -0.025]}]'^^rdf:JSON .
 scene:eye_1 a sk:Camera ; sk:pose "0 0 2 3.14159265 0 0"^^sk:poseLiteral ; sk:on scene:floor ; sk:width 64 ;
     sk:height 48 ; sk:verticalFov 0.9 ; sk:minDepth 0.05 ; sk:maxDepth 5.0 ; sk:depthNoise 0.001 ; sk:latency 0.1 .
 scene:box_a a tiny:Box ; sk:on scene:floor ; sk:pose "3 3 0 0 0 0"^^sk:poseLiteral .
+scene:ball_2 a tiny:Ball ; sk:on scene:floor ; sk:mass 0.1 ; sk:pose "1 1 0 0 0 0"^^sk:poseLiteral .
 scene:ball_1 a tiny:Ball ; sk:on scene:floor ; sk:mass 0.1 ; sk:pose "0.5 0 0 0 0 0"^^sk:poseLiteral ;
     sk:poseFrame scene:table_1 .
 """
@@ -459,18 +461,31 @@ def test_plug_in_devices_move_on_command_and_stop_on_request(world: World) -> No
             DeviceHandle(board, "wrench_1").command(lab.OmniTwist(0.0, 0.0, 0.0))
 
 
-def test_a_body_on_a_turntable_moves_with_it(world: World) -> None:
+def test_a_body_on_a_turntable_moves_with_it_also_one_that_was_seen_there(world: World) -> None:
     lab = pytest.importorskip("lab_devices")
     with Bench(world, robots=["robot_1"]) as bench:
         table = DeviceHandle(bench.context.board, "table_1")
+        with world.transaction(author="test", reason="test") as tx:
+            write_seen(bench.context, tx, "ball_2", Pose.of(1.5, 0.0, 0.5), "table_1")
+            write_seen(bench.context, tx, "box_a", Pose.of(3.0, 3.0, 0.0), "floor")
         before = map_pose(bench.context, "ball_1")
         for _ in range(200):
             table.command(lab.TableTarget(math.pi / 2.0))
             bench.cycle.step()
-        after = map_pose(bench.context, "ball_1")
+        after, seen, still = (map_pose(bench.context, one) for one in ("ball_1", "ball_2", "box_a"))
 
+    assert seen.position == pytest.approx((2.0, -0.5, 0.5), abs=0.01)
+    assert still.position == (3.0, 3.0, 0.0)
     assert before.position == pytest.approx((2.5, 0.0, 0.5), abs=1e-6)
     assert after.position == pytest.approx((2.0, 0.5, 0.5), abs=0.01)
+
+
+def test_arms_keep_away_from_a_device_without_a_robot_that_has_a_shape(world: World) -> None:
+    with Bench(world, robots=["robot_1"]) as bench:
+        around = {one.id: one.pose.position for one in obstacles(bench.context, parts=False)}
+
+    assert around["table_1"] == pytest.approx((2.0, 0.0, 0.5))
+    assert not {"arm_1", "hand_1", "eye_1"} & around.keys()
 
 
 def test_states_and_targets_survive_a_round_trip_through_json(world: World) -> None:

@@ -221,7 +221,9 @@ def test_a_generated_robot_equals_the_shipped_one_except_for_names(package: Path
             line for line in text.splitlines() if "sk:" in line and "<http" not in line and not line.startswith("#")
         ]
 
-    shipped = find_plugin("skiros.robots", "mobile_panda").individuals.read_text(encoding="utf-8")
+    robot = find_plugin("skiros.robots", "mobile_panda").individuals
+    parts = robot.with_name("mobile_panda_devices.ttl")
+    shipped = "\n".join(file.read_text(encoding="utf-8") for file in (robot, parts))
     own = (package / "src" / "my_scanning" / "robots" / "panda.ttl").read_text(encoding="utf-8")
     renamed = re.sub(r"scene:panda_(\w+)", r"scene:\1_1", own).replace("scene:panda ", "scene:robot_1 ")
     assert facts(renamed) == facts(shipped)

@@ -75,7 +75,7 @@ def test_a_scene_is_checked_with_its_goal(tmp_path: Path) -> None:
 
 def test_a_scene_check_finds_a_scene_of_which_no_cell_can_be_built(tmp_path: Path) -> None:
     text = find_scene("kitting").read_text(encoding="utf-8")
-    panda = (ROOT / "robots/src/skiros_robots/mobile_panda.ttl").read_text(encoding="utf-8")
+    panda = (ROOT / "robots/src/skiros_robots/mobile_panda_devices.ttl").read_text(encoding="utf-8")
     camera = panda[panda.index("scene:camera_1 a sk:Camera") :].replace("camera_1", "eye")
     camera = camera.replace("camera_optical", "nowhere") + "scene:arm_1 sk:hasA scene:eye .\n"
     (tmp_path / "camera.ttl").write_text(text + camera, encoding="utf-8")

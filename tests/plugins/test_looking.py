@@ -37,7 +37,7 @@ class Looking(LookingPrimitive):
         board, frames = SimpleNamespace(snapshot=None), SimpleNamespace(at=lambda _snapshot: tree)
         cell = SimpleNamespace(device=lambda camera, _type: camera)
         context: Any = SimpleNamespace(tried=Tried(), frames=frames, board=board, cell=cell)
-        super().__init__(context, LookingParams("arm", "camera"))
+        super().__init__(context, LookingParams(arm="arm", camera="camera"))
         self._holds, self._mount = holds, mount
 
     def execute(self) -> Execution[Outcome]:

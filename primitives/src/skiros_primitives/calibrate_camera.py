@@ -23,7 +23,7 @@ from skiros_py.ports.calibration import (
 from skiros_py.ports.motion import NoMotion, PoseMove
 from skiros_py.skills.cell_reader import read_board
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import param
+from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, solid_of
 from skiros_py.world import vocabulary as v
@@ -42,10 +42,14 @@ class CalibrateCamera(LookingPrimitive):
     class Params(LookingParams):
         """Parameters."""
 
+        camera: str = param(v.CAMERA, "The camera to calibrate, on the arm.", kind=Kind.HARDWARE)
         board: str = param(v.MARKER_BOARD, "The board, which the arm reaches all around.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks from around, and finds the camera."""
+        if not self.carries(self.params.camera):
+            known = {"camera": self.params.camera, "arm": self.params.arm}
+            return Failure(Message("{camera} is not on {arm}: it cannot be moved around a board", **known))
         board, solid = read_board(self.world, self.params.board), solid_of(self.world, self.params.board)
         where = map_pose(self.context, self.params.board)
         if board is None or solid is None or where is None:

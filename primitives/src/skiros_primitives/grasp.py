@@ -168,7 +168,7 @@ class Grasp(HandlingPrimitive):
             guess: How it sits as far as known.
         """
         image = yield from self.take_picture(self.params.camera)
-        found = yield from self.how_it_sits(image, self.params.camera, self.params.part, guess)
+        found = yield from self.how_it_sits(image, self.params.camera, self.params.part, guess, self._around())
         if found is None or (found.pose is None and not found.visible):
             return guess
         if found.pose is None:

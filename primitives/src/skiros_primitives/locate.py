@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import refused
+from skiros_primitives.camera_check import note_sighting
 from skiros_primitives.looking import LookingParams, LookingPrimitive
 from skiros_primitives.part_models import part_models
 from skiros_primitives.surfaces import support_region
@@ -23,7 +24,7 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import map_pose
+from skiros_py.skills.surroundings import map_pose, write_seen
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.poses import write_pose
@@ -102,6 +103,8 @@ def _pair(known: Sequence[str], here: int, poses: Sequence[Pose], believed: dict
     return pairs
 
 
+_FIRST_LOOK = 0.015
+"""Greatest error of a camera for a first look, as a standard deviation [m]: the second one is exact."""
 _CLEAR = 0.9
 """Minimum fraction of the place that the camera must see for a clear look."""
 _MISSES = 2
@@ -127,10 +130,12 @@ class Locate(LookingPrimitive):
             return Success(Message("{part} was seen on {place}", part=part, place=self.params.place))
         if isinstance(region, str):
             return Failure(region)
-        clear_looks, why = 0, ""
+        clear_looks, why, vain = 0, "", set[str]()
         x, y, _ = (map_pose(self.context, part) or region.pose).position  # where it is believed to be, if that is known
         for attempt in range(1, _MISSES + 2):
             self.progress(attempt, Message("look {attempt} at {place}", attempt=attempt, place=self.params.place))
+            self.choose_camera(region, _FIRST_LOOK, vain)
+            vain.add(self.camera)
             look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
                 return refused(look)
@@ -148,20 +153,21 @@ class Locate(LookingPrimitive):
         types = [model.type for model in part_models(self.world)]
         found = associate(self.context, self.params.place, types, look.detections)
         clear = look.visible >= _CLEAR and look.surface is not None
-        seen: set[str] = set()
+        seen: dict[str, Pose] = {}
         with self.world.transaction(author=self.name, reason=Message("look at {place}", place=self.params.place)) as tx:
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(v.IN, self.params.place))
-                write_pose(tx, part, pose)
-                self.context.pictures.sightings[self.params.camera, part] = self.sighting(pose)
+                write_seen(self.context, tx, part, pose, self.params.place)
                 if element:
                     tx.place(part, v.IN, self.params.place)  # a missing part is found
                     tx.set(part, v.MISSED_LOOKS, None)
                     tx.set(part, v.MISSING, None)
-                seen.add(part)
+                seen[part] = pose
             if clear:
                 self._count_misses(tx, found, unknown=sum(d.type is None for d in look.detections))
-        return seen
+        for part, pose in seen.items():
+            note_sighting(self.context, self.camera, part, self.sighting(pose), self.name)
+        return {*seen}
 
     def _count_misses(self, tx: Transaction, found: Association, *, unknown: int) -> None:
         """Counts misses of expected parts; each unknown detection may be one of them, so as many are excused."""

@@ -6,13 +6,16 @@ The camera looks straight down wherever the arm can hold it so; at high places, 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, ClassVar
 
+import numpy as np
+
 from skiros_primitives.arm_moves import ArmPrimitive, further, refused
-from skiros_primitives.camera_check import compare, is_due, is_turned
+from skiros_primitives.camera_check import blame, compare, is_due, is_turned, note_sighting
+from skiros_primitives.cameras import OVER, best_camera
 from skiros_primitives.part_models import downward, part_models
 from skiros_primitives.surfaces import Surface, inner_region, kit_of, lost_part, surfaces
 from skiros_primitives.views import repainted, unlocated
@@ -39,14 +42,14 @@ from skiros_py.skills.outcome import Failure, Outcome, Success, tick
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.pictures import Sighting
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of
+from skiros_py.skills.surroundings import held_by, map_pose, obstacles, solid_of, write_seen
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
 from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
 
-_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
+_LOOK_HEIGHTS = (OVER, 0.40, 0.34)
 """Heights of the camera above the viewed surface where it looks straight down, best first [m]."""
 _LOW = (0.28, 0.22)
 """The same where all else is impossible [m]: from there it does not see the whole of a kit."""
@@ -112,12 +115,14 @@ _BY_TILT: tuple[tuple[Sequence[int], tuple[float, ...]], ...] = (
 """Numbers of the views that are alike, and at which distances they are taken [m], the best first."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LookingParams:
     """Parameters of every primitive that looks."""
 
     arm: str = param(v.ARM, "The arm that works there; it moves a camera that it carries.", kind=Kind.HARDWARE)
-    camera: str = param(v.CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+    camera: str | None = param(
+        v.CAMERA, "The camera to look with; left open: the one that sees the place best.", kind=Kind.OPTIONAL
+    )
 
 
 class LookingPrimitive(ArmPrimitive):
@@ -128,6 +133,37 @@ class LookingPrimitive(ArmPrimitive):
     """From which side the last picture was taken."""
     _seen_from: tuple[Pose, Pose]
     """Where robot and camera were in the map when the picture was taken that was searched last."""
+
+    _first: Sighting | None = None
+    """Where something was seen, while the next look is to be from another side, which tells of the camera."""
+    _chosen: str | None = None
+    """The camera that sees best what is to be seen, where none is named."""
+
+    @property
+    def camera(self) -> str:
+        """Id of the camera that it looks with: the one that is named, or was chosen, or is on the arm.
+
+        Raises:
+            DeviceError: The arm has none.
+        """
+        named: str | None = self.params.camera or self._chosen
+        if named is None and (own := self.hand_camera) is not None:
+            return own.id
+        if named is None:
+            raise DeviceError("no camera sees what {arm} is to look at: name one", arm=self.params.arm)
+        return named
+
+    def choose_camera(self, region: Region, most: float | None = None, without: Collection[str] = ()) -> None:
+        """Chooses the camera that sees a place best, where none is named; see :func:`best_camera`."""
+        if self.params.camera is None:
+            self._chosen = best_camera(self.context, self.arm.spec, region, most, without)
+            if self._chosen is not None and not self.carries(self._chosen):
+                self.progress(_CHOSEN, Message("looks with {camera}", camera=self._chosen))
+
+    def tell(self, off: Message | None) -> None:
+        """Says that a camera is off, where it is."""
+        if off is not None:
+            self.progress(_OFF, off)
 
     def in_vain(self, reason: str) -> Failure:
         """Returns a failure; the next look for the same purpose is one from another side."""
@@ -143,15 +179,15 @@ class LookingPrimitive(ArmPrimitive):
 
     def detect(self, region: Region, picture: tuple[DepthImage, Pose]) -> Execution[DetectionResult]:
         """Searches a region in a picture for parts."""
-        detector = self.context.port(PartDetector, self.params.camera)
+        detector = self.context.port(PartDetector, self.camera)
         image, models = self._below_held(picture[0]), part_models(self.world)
-        request = DetectionRequest(image, picture[1], region, models, self.seed(), self.params.camera)
-        self._seen_from = self.context.frames.at(picture[0].snapshot).robot(self.params.camera), picture[1]
+        request = DetectionRequest(image, picture[1], region, models, self.seed(), self.camera)
+        self._seen_from = self.context.frames.at(picture[0].snapshot).robot(self.camera), picture[1]
         return (yield from self.wait(detector.detect(request)))
 
     def _below_held(self, image: DepthImage) -> DepthImage:
         """Returns a picture in which nothing was measured where it shows what the gripper holds: that hides things."""
-        held = self.held() if self.carries(self.params.camera) else None
+        held = self.held() if self.carries(self.camera) else None
         if held is None:
             return image
         return repainted(image, held.solid, self.camera_in_tip(self._camera).inverse() @ held.pose, _AROUND_HELD, 0.0)
@@ -159,12 +195,13 @@ class LookingPrimitive(ArmPrimitive):
     def sighting(self, pose: Pose) -> Sighting:
         """Returns where something was seen in the picture that was searched last, by its pose in the map."""
         robot, camera = self._seen_from
-        return Sighting(robot, robot.inverse() @ camera, robot.inverse() @ pose)
+        carrier, now = self.context.cell.group_of(self.camera).id, self.context.board.snapshot.time
+        return Sighting(robot, robot.inverse() @ camera, robot.inverse() @ pose, carrier, now)
 
     def capture(self) -> Execution[tuple[DepthImage, Pose]]:
         """Takes a picture from where the camera is; returns it with the camera's pose in the map."""
-        image = yield from self.take_picture(self.params.camera)
-        return image, self.context.frames.at(image.snapshot).located(self.params.camera)
+        image = yield from self.take_picture(self.camera)
+        return image, self.context.frames.at(image.snapshot).located(self.camera)
 
     def look_down(
         self, point: Vector, *, aside: float = 0.0, shown: Vector | None = None
@@ -180,7 +217,7 @@ class LookingPrimitive(ArmPrimitive):
                 should lie on the other side.
             shown: A place beside the point that what is held should not hide, in the map [m].
         """
-        if not self.carries(self.params.camera):
+        if not self.carries(self.camera):
             return (yield from self.capture())
         base = self.base_pose
         refusal: NoMotion | None = None
@@ -241,7 +278,15 @@ class LookingPrimitive(ArmPrimitive):
                 return place.position[0] * tip[0] + place.position[1] * tip[1] < 0.0
 
             fresh = list(filter(is_beside, fresh)) or fresh
-        return [some for some in (fresh, [number for number in numbers if number not in fresh]) if some]
+        turned = self._turned(fresh, point, base)
+        return [some for some in (turned or fresh, [one for one in numbers if one not in (turned or fresh)]) if some]
+
+    def _turned(self, numbers: Sequence[int], point: Vector, base: Pose) -> list[int]:
+        """Returns those views from which a look tells whether the camera is where it is believed to be."""
+        first, distance = self._first, _LOOK_HEIGHTS[0]
+        if first is None:
+            return []
+        return [one for one in numbers if is_turned(first, VIEWS[one].pose(point, distance, base.yaw))]
 
     def _routes(
         self, point: Vector, distance: float, base: Pose, views: Sequence[int], *, aside: float = 0.0
@@ -254,16 +299,30 @@ class LookingPrimitive(ArmPrimitive):
 
     @property
     def _camera(self) -> CameraSpec:
-        return self.context.cell.device(self.params.camera, CameraSpec)
+        return self.context.cell.device(self.camera, CameraSpec)
 
     def _looks_from(self, point: Vector, distance: float, base: Pose, views: Sequence[int]) -> int | None:
         """Returns in which of some views the camera looks at a point already; None for none of them."""
-        camera = self.context.frames.at(self.context.board.snapshot).located(self.params.camera)
+        camera = self.context.frames.at(self.context.board.snapshot).located(self.camera)
         for view in views:
             off = VIEWS[view].pose(point, distance, base.yaw).inverse() @ camera
             if math.hypot(*off.position) < _THERE and abs(off.orientation[3]) > math.cos(_ALIGNED / 2.0):
                 return view
         return None
+
+    def find(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
+        """Finds a kit in a picture.
+
+        Raises:
+            DeviceError: The kit has no shape.
+        """
+        camera, solid = self.camera, solid_of(self.world, kit)
+        if solid is None:
+            raise DeviceError(f"{self.name} needs a shape of {kit}")
+        image, seen_from = picture
+        request = RegistrationRequest(self._below_held(image), seen_from, solid, believed, self.seed(), camera, kit)
+        self._seen_from = self.context.frames.at(image.snapshot).robot(camera), seen_from
+        return (yield from self.wait(self.context.port(Registrar, camera).register(request)))
 
     def register(self, kit: str, believed: Pose, picture: tuple[DepthImage, Pose]) -> Execution[RegistrationResult]:
         """Finds a kit in a picture, and writes where it is.
@@ -271,12 +330,7 @@ class LookingPrimitive(ArmPrimitive):
         Raises:
             DeviceError: The kit has no shape.
         """
-        camera, solid = self.params.camera, solid_of(self.world, kit)
-        if solid is None:
-            raise DeviceError(f"{self.name} needs a shape of {kit}")
-        image, seen_from = picture
-        request = RegistrationRequest(self._below_held(image), seen_from, solid, believed, self.seed(), camera, kit)
-        result = yield from self.wait(self.context.port(Registrar, camera).register(request))
+        result = yield from self.find(kit, believed, picture)
         if result.pose is not None:
             frame = next(iter(self.world.objects(kit, v.POSE_FRAME)), None)
             in_map = map_pose(self.context, frame) if frame else None
@@ -327,12 +381,20 @@ class LookingPrimitive(ArmPrimitive):
         if holding is None:
             return True
         part, held = holding
-        found = yield from self.how_it_sits(image, self.params.camera, part, held.pose)
+        found = yield from self.how_it_sits(image, self.camera, part, held.pose, self._around())
         if found is not None and found.pose is not None and found.pose.distance(held.pose) > _SLID:
             slid = found.pose.distance(held.pose) * 1e3
             with self.world.transaction(author=self.name, reason=Message("slid by {slid:.0f} mm", slid=slid)) as tx:
                 write_pose(tx, part, found.pose, self.gripper_id)
         return True
+
+
+def kit_region(context: RunContext, kit: str, at: Pose) -> Region:
+    """Returns the area above a kit at its upper edge; of a kit without a shape, a point."""
+    solid = solid_of(context.world, kit)
+    low, high = np.zeros((2, 3)) if solid is None else solid.bounds()
+    (x, y, _), (dx, dy, _), top = (low + high) / 2.0, (high - low) / 2.0, high[2]
+    return Region(at @ Pose((float(x), float(y), float(top))), (float(dx), float(dy)))
 
 
 def possible_looks(context: RunContext, arm: ArmSpec, base: Pose, point: Vector) -> tuple[Pose, ...]:
@@ -393,9 +455,12 @@ class RegisterKit(LookingPrimitive):
             return Failure(Message("the position of {kit} is unknown", kit=kit))
         place = map_pose(self.context, self.params.compartment) if self.params.compartment is not None else None
         shown, why = None if place is None else place.position, ""
-        refusal: NoMotion | None = None
+        region, refusal = kit_region(self.context, kit, believed), None
+        vain: set[str] = set()
         for attempt, aside in enumerate(_ASIDE, start=1):
             self.progress(attempt, Message("look {attempt} at {kit}", attempt=attempt, kit=kit))
+            self.choose_camera(region, without=vain)
+            vain.add(self.camera)
             picture = yield from self.look_down(believed.position, aside=aside, shown=shown)
             if isinstance(picture, NoMotion):
                 refusal = refusal or picture
@@ -410,6 +475,8 @@ class RegisterKit(LookingPrimitive):
                     continue  # what is held hides it
                 if content:
                     return Failure(content)
+            differ = note_sighting(self.context, self.camera, kit, self.sighting(result.pose), self.name)
+            self.tell(blame(self.context, self.camera, differ, self.name))
             moved = result.pose.distance(believed) * 1e3
             return Success(Message("{kit} is {moved:.0f} mm from where it was believed", kit=kit, moved=moved))
         if refusal is not None and not why:
@@ -427,8 +494,6 @@ class RegisterPart(LookingPrimitive):
     """The second look, with the camera exactly above the part: nothing hides its far side."""
 
     name: ClassVar[str] = "register_part"
-    _first: Sighting | None = None
-    """Where the first look saw the part, while it is time to compare what the camera says from two sides."""
 
     @dataclass(frozen=True, slots=True)
     class Params(LookingParams):
@@ -443,19 +508,43 @@ class RegisterPart(LookingPrimitive):
             return Failure(Message("{part} has not been seen yet", part=self.params.part))
         part, placement = self.params.part, self.world.placement(self.params.part)
         astray = placement is not None and placement.relation == v.ON
-        if is_due(self.context, self.params.camera):
-            self._first = self.context.pictures.sightings.get((self.params.camera, part))
-        x, y, _ = believed.position
-        look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF), exact=astray), x, y)
-        if isinstance(look, NoMotion):
-            return refused(look)
-        nearest = min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
+        region = Region(Pose(believed.position), (_HALF, _HALF), exact=astray)
+        self.choose_camera(region)
+        if is_due(self.context, self.camera):
+            self._first = self.context.pictures.sightings.get((self.camera, part))
+        nearest = yield from self._nearest(region, believed)
+        if isinstance(nearest, NoMotion):
+            return refused(nearest)
         if astray and (nearest is None or nearest.type is None):  # it need not stand upright: the grasp will tell
             return Success(Message("{part} is not recognised, but taken to lie where it was seen", part=part))
-        return self._judge(nearest, believed)
+        outcome = self._judge(nearest, believed)
+        if isinstance(outcome, Success) and nearest is not None:
+            yield from self._check(region, nearest)
+        return outcome
+
+    def _nearest(self, region: Region, believed: Pose) -> Execution[Detection | NoMotion | None]:
+        """Looks from above; returns what is seen nearest to where the part is believed to be."""
+        x, y, _ = believed.position
+        look = yield from self.look_for_parts(region, x, y)
+        if isinstance(look, NoMotion):
+            return look
+        return min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
+
+    def _check(self, region: Region, found: Detection) -> Execution[None]:
+        """Compares where the part is seen with where it was seen before; looks once more where that differs."""
+        camera, part, seen = self.camera, self.params.part, self.sighting(found.pose)
+        if self._first is not None:
+            self.tell(compare(self.context, camera, self._first, seen, self.name))
+        differ = note_sighting(self.context, camera, part, seen, self.name)
+        if differ and is_due(self.context, camera, _JUST) and self.carries(camera):
+            self._first = seen  # which tells whether this camera is the one that is off
+            again = yield from self._nearest(region, found.pose)
+            if isinstance(again, Detection) and again.type == found.type:
+                self.tell(compare(self.context, camera, seen, self.sighting(again.pose), self.name))
+        self.tell(blame(self.context, camera, differ, self.name))
 
     def _judge(self, nearest: Detection | None, believed: Pose) -> Outcome:
-        part = self.params.part
+        part, placement = self.params.part, self.world.placement(self.params.part)
         wanted = self.world.element(part).type
         if nearest is None or nearest.pose.distance(believed) > _NEAR:
             return self._forget(Message("{part} is not where the first look saw it", part=part))
@@ -465,28 +554,10 @@ class RegisterPart(LookingPrimitive):
         with self.world.transaction(
             author=self.name, reason=Message("cost {cost:.1f} mm", cost=nearest.cost * 1000.0)
         ) as tx:
-            write_pose(tx, part, nearest.pose)
-        if self._first is not None:
-            self._compare(self._first, self.sighting(nearest.pose))
+            write_seen(self.context, tx, part, nearest.pose, None if placement is None else placement.place)
         return Success(
             Message("{part} at ({x:.3f}, {y:.3f})", part=part, x=nearest.pose.position[0], y=nearest.pose.position[1])
         )
-
-    def _compare(self, first: Sighting, second: Sighting) -> None:
-        off = compare(self.context, self.params.camera, first, second, self.name)
-        if off is not None:
-            self.progress(_OFF, off)
-
-    def _sides(self, numbers: Sequence[int], point: Vector, base: Pose, shown: Vector | None) -> list[list[int]]:
-        """Returns first those sides from which what is seen tells whether the camera is where it is believed to be."""
-        groups, first = super()._sides(numbers, point, base, shown), self._first
-        if first is None:
-            return groups
-        fresh, distance = groups[0], _LOOK_HEIGHTS[0]
-        turned = [one for one in fresh if is_turned(first, VIEWS[one].pose(point, distance, base.yaw))]
-        if not turned:
-            return groups
-        return [some for some in (turned, [one for group in groups for one in group if one not in turned]) if some]
 
     def _forget(self, reason: str) -> Failure:
         with self.world.transaction(author=self.name, reason=reason) as tx:
@@ -494,8 +565,14 @@ class RegisterPart(LookingPrimitive):
         return self.in_vain(reason)
 
 
+_CHOSEN = 3
+"""Progress code of a camera that was chosen."""
 _OFF = 2
 """Progress code of a camera that sees things off."""
+_JUST = 60.0
+"""A camera that agreed with itself within this time need not look again [s]."""
+_INTO = 0.005
+"""Greatest error at which a part is told to lie in a compartment, as a standard deviation [m]."""
 _LOOKS = 3
 _IN_SIGHT = math.radians(20.0)
 """Greatest angle from the middle of a picture at which something is looked at without moving."""
@@ -530,7 +607,11 @@ class VerifyPlace(LookingPrimitive):
         """Looks, first from where the arm is, then from above; at last where the kit is seen to be, and around."""
         part, compartment = self.params.part, self.params.compartment
         kit, wanted = kit_of(self.world, compartment), self.world.element(part).type
+        inner = inner_region(self.context, compartment)
+        if isinstance(inner, Region):
+            self.choose_camera(inner, _INTO)
         for attempt in range(0 if self._is_in_sight(compartment) else 1, _LOOKS):
+            self._chosen = self._chosen if attempt == 0 else None
             seen_from = yield from self._look_into(compartment, kit, attempt)
             if isinstance(seen_from, Failure):
                 return seen_from
@@ -555,9 +636,9 @@ class VerifyPlace(LookingPrimitive):
         One that the arm does not carry has to do where it is.
         """
         place = map_pose(self.context, compartment)
-        if place is None or not self.carries(self.params.camera):
+        if place is None or not self.carries(self.camera):
             return place is not None
-        return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.params.camera), place)
+        return looks_into(self.context.frames.at(self.context.board.snapshot).located(self.camera), place)
 
     def _look_into(
         self, compartment: str, kit: str | None, attempt: int

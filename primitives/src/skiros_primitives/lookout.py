@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives.contact import believe_obstacle
@@ -101,7 +102,8 @@ class Lookout:
             points = scanner.apply(points)
             self._doubt(scanner, points)
             points = points[np.hypot(*(points[:, :2] - scanner.position[:2]).T) < _NEAR]
-            points = unexplained(points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)], self._known)
+            points = points[(points[:, 2] > _FLOOR) & (points[:, 2] < TALLEST)]
+            points = points[unexplained(points, self._known)]
             points = points[~shapely.contains_xy(self._others(), points[:, :2])]
             self._seen = [*self._seen[1 - _SCANS :], points]
             self.strange = np.vstack(self._seen)
@@ -121,11 +123,11 @@ class Lookout:
         for obstacle in self._doubted:
             for block in obstacle.solid.primitives:
                 to_block = (obstacle.pose @ block.pose).inverse()
-                start, ends, half = to_block.apply(np.array(scanner.position)), to_block.apply(points), _half(block)
+                start, ends, half = to_block.apply(np.array(scanner.position)), to_block.apply(points), half_size(block)
                 inside = (np.abs(ends) < half + _EXPLAINED).all(axis=1) & (points[:, 2] > _FLOOR)
                 foot = _CORE * half[0], _CORE * half[1], _FOOT / 2.0
                 rise = (0.0, 0.0, foot[2] - half[2])
-                through = float(_crossed(start - rise, ends - rise, np.array(foot)).sum())
+                through = float(crossed(start - rise, ends - rise, np.array(foot)).sum())
                 self._doubted[obstacle] += -math.inf if inside.any() else through
 
     def _scan(self, spec: ScannerSpec) -> ScannerState:
@@ -154,17 +156,22 @@ def forget(world: World, author: str, obstacles: Sequence[str]) -> None:
             tx.remove(obstacle)
 
 
-def unexplained(points: Array, known: Sequence[Obstacle]) -> Array:
-    """Returns those of some points in the map that belong to nothing believed, shape (n, 3).
+def unexplained(
+    points: Array, known: Iterable[Obstacle], near: float = _EXPLAINED, on_top: float = _ON_TOP
+) -> NDArray[np.bool_]:
+    """Returns which points in the map belong to nothing believed, shape (n,).
 
     Args:
-        points: In the map [m], shape (m, 3).
+        points: In the map [m], shape (n, 3).
         known: What is believed to stand around.
+        near: What is this near to something believed belongs to it [m].
+        on_top: Height of what may stand on it [m].
     """
+    found = np.ones(len(points), np.bool_)
     for one in known:
         for block in one.solid.primitives:
-            points = points[_distances(points, one.pose @ block.pose, block) > _EXPLAINED]
-    return points
+            found[found] = _distances(points[found], one.pose @ block.pose, block, on_top) > near
+    return found
 
 
 def believe_seen(world: World, author: str, points: Array) -> list[str]:
@@ -195,25 +202,25 @@ def _things(points: Array) -> Iterator[tuple[BaseGeometry, float, float]]:
             yield around, 0.0 if low < 3.0 * _BELOW else low - _BELOW, high + _BELOW
 
 
-def _distances(points: Array, pose: Pose, block: Primitive) -> Array:
-    """Returns the distances of points from a block and what may stand on it, shape (n,).
+def _distances(points: Array, pose: Pose, block: Primitive, on_top: float) -> Array:
+    """Returns the distances of points from a block and what may stand on it, so high [m], shape (n,).
 
     A cylinder counts as the box around it.
     """
-    half = _half(block)
+    half = half_size(block)
     local = pose.inverse().apply(points)
-    local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - _ON_TOP))
+    local[:, 2] = np.minimum(local[:, 2], np.maximum(half[2], local[:, 2] - on_top))
     outside = np.abs(local) - half
     return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
 
 
-def _half(block: Primitive) -> Array:
+def half_size(block: Primitive) -> Array:
     """Returns half of the size of the box around a block [m]."""
     size = block.size if block.kind == "box" else (2.0 * block.size[0], 2.0 * block.size[0], block.size[1])
     return np.array(size) / 2.0
 
 
-def _crossed(start: Array, ends: Array, half: Array) -> Array:
+def crossed(start: Array, ends: Array, half: Array) -> Array:
     """Returns which rays from a start to some ends come into a box around the origin, shape (n,)."""
     way = ends - start
     way = np.where(np.abs(way) < 1e-9, 1e-9, way)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_primitives.lookout import unexplained
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.messages import Message
 from skiros_py.ports.motion import DepthView, Obstacle
@@ -34,16 +35,23 @@ _AROUND = (0.0, math.radians(60.0), math.radians(-60.0))
 def review_obstacles(context: RunContext, author: str, view: DepthView) -> None:
     """Forgets obstacles, or parts of them, that a picture sees through.
 
+    What is left where something else is known, such as between the walls of a kit, is that: then it was met there.
+
     Args:
         context: The run.
         author: Who took the picture.
         view: The picture.
     """
-    for one in view.known:
-        if not context.world.has(one.id) or context.world.element(one.id).type != v.OBSTACLE:
-            continue
+    doubted = [one for one in view.known if context.world.has(one.id)]
+    doubted = [one for one in doubted if context.world.element(one.id).type == v.OBSTACLE]
+    others = [one for one in view.known if one not in doubted]
+    for one in doubted:
         points = _points(one.solid)
-        left = points[~_seen_through(view, one.pose.apply(points))]
+        in_map = one.pose.apply(points)
+        through = _seen_through(view, in_map)
+        if not through.any():
+            continue
+        left = points[~through & unexplained(in_map, others, _BEHIND, 0.0)]
         if len(left) < _NOTHING * len(points):
             with context.world.transaction(author=author, reason=Message("a picture sees through it")) as tx:
                 tx.remove(one.id)

@@ -23,6 +23,8 @@ from skiros_py.world.vocabulary import ARM, DRIVING_POSE, HELD_BY, LOCATION, ROB
 
 _POSTURES = {0: Message("home"), 5: Message("home, turned aside"), 6: Message("home, turned aside")}
 """What postures for travelling are called; the others are with the hand turned."""
+_HERE = 0.05
+"""What a joint may be beyond its limits as it is measured [rad or m]."""
 _FELT = 2.0
 """Finger force from which the gripper counts as holding something [N]."""
 
@@ -128,7 +130,19 @@ class MoveArm(ArmPrimitive):
 
 
 def fits(context: RunContext, robot: RobotSpec, arm: ArmSpec, posture: Sequence[float], location: str | None) -> bool:
-    """Returns whether an arm in a posture touches nothing where its base stands, and where it works at a location."""
+    """Returns whether an arm gets into a posture, and there touches nothing where its base stands and at a location.
+
+    Of a robot that nothing moves only its joints tell: the planner finds out what its arm would touch.
+    """
+    kinematics = context.frames.kinematics(robot)
+    ranges = {} if kinematics is None else kinematics.joints
+    for joint, at in zip(arm.joints, posture, strict=True):
+        limits = ranges.get(joint)
+        if limits is not None and limits.lower is not None and limits.upper is not None:  # noqa: SIM102
+            if not limits.lower - _HERE <= at <= limits.upper + _HERE:
+                return False
+    if robot.carrier is None:
+        return True
     poses = [robot.pose(context.board.snapshot, context.board.guard)]
     if location is not None:
         place, driving = map_pose(context, location), context.world.value(location, DRIVING_POSE)

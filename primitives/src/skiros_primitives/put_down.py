@@ -101,11 +101,8 @@ class PuttingPrimitive(HandlingPrimitive):
 
     def put(self, spot: Spot) -> Execution[Outcome]:
         """Approaches, comes down, opens, retreats."""
-        holding = held_by(self.context, self.params.gripper)
-        if holding is None or holding[0] != self.params.part:
-            return Failure(
-                Message("{gripper} does not hold {part}", gripper=self.params.gripper, part=self.params.part)
-            )
+        if (empty := self.not_held()) is not None:
+            return empty
         turns = [pose.yaw for pose in spot.poses()]
         chosen, lift, planned = yield from self._plan(spot)
         if isinstance(planned, NoMotion):
@@ -118,6 +115,13 @@ class PuttingPrimitive(HandlingPrimitive):
             turn = math.degrees(turns[chosen])
             self.context.tried.note("place", chosen, Message("put down turned by {turn:.0f} deg", turn=turn))
         return outcome
+
+    def not_held(self) -> Failure | None:
+        """Returns the failure where the gripper does not hold the part, or not any more; None where it does."""
+        holding = held_by(self.context, self.params.gripper)
+        if holding is not None and holding[0] == self.params.part:
+            return None
+        return Failure(Message("{gripper} does not hold {part}", gripper=self.params.gripper, part=self.params.part))
 
     def _plan(self, spot: Spot) -> Execution[tuple[int, float, MotionPlan | NoMotion]]:
         """Plans for the pose at which the fingers have most room to open; from lower above where it has to be."""
@@ -343,6 +347,8 @@ class PutDown(PuttingPrimitive, LookingPrimitive):
                 seen = yield from self._look(aside=attempt > 0)
                 if isinstance(seen, str):
                     return Failure(seen)
+                if (lost := self.not_held()) is not None:  # it slipped out where it met a wall
+                    return lost
                 aimed, tool = tool, self.tools(spot)[chosen]
                 way = self.way(tool, spot, lift) if not seen or _apart(tool, aimed) > _EXACT else None
             else:

@@ -404,7 +404,8 @@ class PlaceInSight:
             to_odometry = self._odometry @ self._localised.inverse()
             if self._sighting is None:
                 self._sighting = Sighting(self._solid, to_odometry @ self._believed)
-            met = unexplained(scanner.apply(np.reshape(scan.points, (-1, 3))), self._around)
+            points = scanner.apply(np.reshape(scan.points, (-1, 3)))
+            met = points[unexplained(points, self._around)]
             ends = to_odometry.apply(np.vstack([met, scanner.apply(np.reshape(scan.clear, (-1, 3)))]))
             start = np.asarray((to_odometry @ scanner).position)
             flags = np.arange(len(ends)) < len(met)

@@ -46,8 +46,6 @@ _LOOK_EVERY = 0.2
 """Time from what a picture showed in the way of an arm to the next picture [s]."""
 _SILENCE = 10.0
 """How long a camera may be silent [s]."""
-_BESIDE, _AROUND = 0.4, 0.01
-"""How far from a hand parts may be beside what it holds, and how far beside where they are believed to be [m]."""
 _ASK_AGAIN = 0.1
 """Time after which it is asked again [s]."""
 
@@ -73,7 +71,7 @@ def depth_view(context: RunContext, arm: str, image: DepthImage, camera: str, ar
     moving = tuple(
         replace(one, error=0.0 if robot is own else _APART)
         for robot in context.cell.robots
-        for one in _robot(context, robot, tree)
+        for one in robot_blocks(context, robot, tree)
     )
     return DepthView(arm, depth, intrinsics, camera_pose, image.snapshot.time, known, moving)
 
@@ -101,8 +99,21 @@ def _unlocated(context: RunContext, place: str) -> Obstacle | None:
     return Obstacle(place, Solid.box(2.0 * x, 2.0 * y, height), region.pose @ lift)
 
 
-def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[Obstacle]:
-    """Yields a robot as blocks: its base, its links and what its grippers hold."""
+def hand_camera(context: RunContext, arm: str) -> CameraSpec | None:
+    """Returns the camera on an arm; None for none."""
+    owned = context.world.objects(arm, v.HAS_A)
+    return next((one for one in context.cell.group_of(arm).of(CameraSpec) if one.id in owned), None)
+
+
+def robot_blocks(context: RunContext, robot: RobotSpec, tree: FrameTree, thick: float = _LINK) -> Iterator[Obstacle]:
+    """Yields a robot as blocks: its base, its links and what its grippers hold.
+
+    Args:
+        context: The run.
+        robot: The robot.
+        tree: Where everything is.
+        thick: How far links stick out around the line between their joints [m].
+    """
     base, height = robot.pose(tree.snapshot, context.board.guard), _HEIGHT
     kinematics = context.frames.kinematics(robot)
     if kinematics is not None:
@@ -113,7 +124,7 @@ def _robot(context: RunContext, robot: RobotSpec, tree: FrameTree) -> Iterator[O
             if parent == BASE_LINK:
                 height = max(height, links[link].position[2] + _LINK)
             else:
-                yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else _LINK)
+                yield _rod(robot.id, places[parent], places[link], _FINGER if parent in hands else thick)
     xs, ys = zip(*robot.outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, height / 2.0))
     block = geometry.Primitive("box", (max(xs) - min(xs), max(ys) - min(ys), height))
@@ -183,7 +194,9 @@ class SeeingPrimitive(Primitive[Any]):
         tip, optical = (kinematics.pose(link, positions) for link in (self.arm.spec.tip, camera.frame))
         return tip.inverse() @ optical @ self.context.frames.mounting(camera.id)
 
-    def how_it_sits(self, image: DepthImage, camera: str, part: str, guess: Pose) -> Execution[HeldResult | None]:
+    def how_it_sits(
+        self, image: DepthImage, camera: str, part: str, guess: Pose, around: Iterable[Obstacle]
+    ) -> Execution[HeldResult | None]:
         """Finds in a picture how a part sits in the gripper; None without a port for that, or a shape of the part.
 
         Args:
@@ -191,19 +204,21 @@ class SeeingPrimitive(Primitive[Any]):
             camera: Id of the camera, which is on the arm's hand.
             part: Id of the part.
             guess: How it is expected to sit, in the frame of the tip.
+            around: What is believed to stand around, with the errors of where it is.
         """
         registrar, solid = self.context.ports.find(HeldRegistrar, camera), solid_of(self.world, part)
         if registrar is None or solid is None or not self.carries(camera):
             return None
         place = self.camera_in_tip(self.context.cell.device(camera, CameraSpec))
-        located = self.context.frames.at(image.snapshot).located(camera)
-        tip = located @ place.inverse()
-        for other in self.world.instances(v.MANIPULATABLE):  # after a low lift, it is still between its neighbours
-            pose, shape = map_pose(self.context, other), solid_of(self.world, other)
-            if other != part and pose is not None and shape is not None and pose.distance(tip) < _BESIDE:
-                image = repainted(image, shape, located.inverse() @ pose, _AROUND, image.intrinsics.far)
-        x, y, z = tip.matrix()[2, :3].tolist()
-        return (yield from self.wait(registrar.sits(HeldRequest(image, place, solid, guess, camera, part, (x, y, z)))))
+        tip = self.context.frames.at(image.snapshot).located(camera) @ place.inverse()
+        to_tip, (x, y, z) = tip.inverse(), tip.matrix()[2, :3].tolist()
+        others = tuple(  # after a low lift, it is still between its neighbours, or beside a wall
+            replace(one, pose=to_tip @ one.pose)
+            for one in around
+            if one.id != part and math.dist(one.pose.position, tip.position) < _NEAR
+        )
+        request = HeldRequest(image, place, solid, guess, camera, part, (x, y, z), others)
+        return (yield from self.wait(registrar.sits(request)))
 
     def take_picture(self, camera: str) -> Execution[DepthImage]:
         """Takes a picture; a camera that is silent for a moment is asked again.
@@ -271,8 +286,7 @@ class SeeingPrimitive(Primitive[Any]):
     @property
     def hand_camera(self) -> CameraSpec | None:
         """The camera on the arm; None for none."""
-        owned = self.world.objects(self.params.arm, v.HAS_A)
-        return next((one for one in self.robot.of(CameraSpec) if one.id in owned), None)
+        return hand_camera(self.context, self.params.arm)
 
     def _way_seen(
         self, mapper: SceneMapper, camera: str, around: tuple[Obstacle, ...], rest: Callable[[], MotionCheck]

@@ -22,6 +22,15 @@ def _compose() -> str:
     return mounted(_HERE / "mobile_panda.urdf", "panda_mount", urdf, _mend, without=tool)
 
 
+def _compose_with_mast() -> str:
+    """Returns the URDF with a mast on the platform, which carries a camera."""
+    robot, mast = ET.fromstring(_compose()), ET.parse(_HERE / "mast.urdf").getroot()  # noqa: S314 - files of packages
+    robot.set("name", "mobile_panda_mast")
+    robot.extend(mast)
+    ET.indent(robot)
+    return ET.tostring(robot, encoding="unicode", xml_declaration=True)
+
+
 def _mend(element: ET.Element) -> None:
     """Corrects one link or joint of the Panda's file in place.
 
@@ -43,3 +52,7 @@ def _mend(element: ET.Element) -> None:
 
 MOBILE_PANDA = RobotModel("mobile_panda", _compose, _HERE / "mobile_panda.ttl")
 """The robot of the kitting scenes."""
+MOBILE_PANDA_MAST = RobotModel("mobile_panda_mast", _compose_with_mast, _HERE / "mobile_panda_mast.ttl")
+"""The same with a camera on a mast."""
+DEVICES = _HERE / "mobile_panda_devices.ttl"
+"""The individuals that both have."""

@@ -18,7 +18,8 @@ DESCRIPTION = SkillDescription(
     params=(
         Param("Arm", ARM, "The arm that holds the part.", Kind.HARDWARE),
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera on the arm.", Kind.HARDWARE),
+        Param("View", CAMERA, "Looks at the place; left open: the camera that sees it best.", Kind.OPTIONAL),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
         Param("Object", MANIPULATABLE, "The part."),
         Param("Shelf", kitting.HANDOVER_SHELF, "Where the part goes."),
@@ -38,7 +39,7 @@ HAND_OVER = Skill(
     DESCRIPTION,
     Sequence.of(
         Do.of("put_back", arm=P("Arm"), gripper=P("Gripper"), part=P("Object"), place=P("Shelf")),
-        Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Shelf"), part=P("Object")),
+        Do.of("locate", arm=P("Arm"), camera=P("View"), place=P("Shelf"), part=P("Object")),
     ),
     finish=Do.of("move_arm", arm=P("Arm")),  # others work there, too
     takes=("Shelf",),

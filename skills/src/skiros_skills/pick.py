@@ -28,7 +28,8 @@ DESCRIPTION = SkillDescription(
     params=(
         Param("Arm", ARM, "The arm that picks.", Kind.HARDWARE),
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera on the arm.", Kind.HARDWARE),
+        Param("View", CAMERA, "Looks at the place; left open: the camera that sees it best.", Kind.OPTIONAL),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
         Param("Container", LOCATION, "Where the part lies."),
         Param("Object", MANIPULATABLE, "The part."),
@@ -58,7 +59,7 @@ PICK = Skill(
     Sequence.of(
         Parallel.of(
             Do.of("gripper_control", gripper=P("Gripper"), part=P("Object")),
-            Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Container"), part=P("Object")),
+            Do.of("locate", arm=P("Arm"), camera=P("View"), place=P("Container"), part=P("Object")),
         ),
         Do.of("register_part", arm=P("Arm"), camera=P("Camera"), part=P("Object")),
         Do.of("grasp", arm=P("Arm"), gripper=P("Gripper"), camera=P("Camera"), part=P("Object")),

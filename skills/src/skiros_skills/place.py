@@ -29,7 +29,8 @@ DESCRIPTION = SkillDescription(
     params=(
         Param("Arm", ARM, "The arm that places.", Kind.HARDWARE),
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera on the arm.", Kind.HARDWARE),
+        Param("View", CAMERA, "Looks at the place; left open: the camera that sees it best.", Kind.OPTIONAL),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
         Param("Object", MANIPULATABLE, "The part."),
         Param("Compartment", kitting.COMPARTMENT, "Where the part goes."),
@@ -61,7 +62,7 @@ PLACE = Skill(
             part=P("Object"),
             compartment=P("Compartment"),
         ),
-        Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
+        Do.of("verify_place", arm=P("Arm"), camera=P("View"), part=P("Object"), compartment=P("Compartment")),
     ),
     finish=Fallback.of(Check.of(~HAS_DOCKS("Kit")), Do.of("move_arm", arm=P("Arm"))),  # others may work there, too
     takes=("Kit",),  # only one arm at a time over a kit, from whichever side

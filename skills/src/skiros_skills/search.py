@@ -28,7 +28,8 @@ DESCRIPTION = SkillDescription(
     params=(
         Param("Arm", ARM, "The arm that carries the camera.", Kind.HARDWARE),
         Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera on the arm.", Kind.HARDWARE),
+        Param("View", CAMERA, "Looks at the place; left open: the camera that sees it best.", Kind.OPTIONAL),
         Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
         Param("Object", MANIPULATABLE, "The part."),
         Param("Compartment", kitting.COMPARTMENT, "Where the part may be."),
@@ -52,7 +53,7 @@ SEARCH = Skill(
     DESCRIPTION,
     Sequence.of(
         Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit")),
-        Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
+        Do.of("verify_place", arm=P("Arm"), camera=P("View"), part=P("Object"), compartment=P("Compartment")),
     ),
     finish=Fallback.of(Check.of(~HAS_DOCKS("Kit")), Do.of("move_arm", arm=P("Arm"))),  # others may work there, too
     takes=("Kit",),

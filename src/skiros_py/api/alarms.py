@@ -50,6 +50,8 @@ class AlarmKind(enum.StrEnum):
     """A change takes effect only after a reset of the simulation, or a restart."""
     DISK = "disk"
     """The disk cannot be written: everything is paused, and goes on by itself as soon as it can."""
+    CAMERA = "camera"
+    """A camera sees things elsewhere than it should: it has to be calibrated."""
     WEBHOOK = "webhook"
     """A message could not be delivered to another system."""
 

@@ -165,9 +165,8 @@ def explained(points: Array, known: Iterable[Obstacle]) -> Flags:
         margin = _EXPLAINED + one.error
         left = np.flatnonzero(~found & _around(points, one, margin))
         for block in one.solid.primitives if len(left) else ():
-            pose = one.pose @ block.pose
-            near = _distances(pose.inverse().apply(points[left]), block) < margin
-            found[left] |= near & (points[left, 2] < _top(pose, block) + _ABOVE)
+            near = block.outside(one.pose.inverse().apply(points[left])) < margin
+            found[left] |= near & (points[left, 2] < _top(one.pose @ block.pose, block) + _ABOVE)
     return found
 
 
@@ -176,16 +175,6 @@ def _around(points: Array, one: Obstacle, margin: float) -> Flags:
     low, high = one.solid.bounds()
     away = points - one.pose.apply((low + high) / 2.0)
     return np.asarray((away**2).sum(axis=1) < (float(np.linalg.norm(high - low)) / 2.0 + margin) ** 2)
-
-
-def _distances(points: Array, block: Primitive) -> Array:
-    """Returns how far points in the frame of a block are outside of it [m]."""
-    if block.kind == "box":
-        outside = np.abs(points) - np.asarray(block.size) / 2.0
-    else:
-        radius, length = block.size
-        outside = np.column_stack([np.hypot(points[:, 0], points[:, 1]) - radius, np.abs(points[:, 2]) - length / 2.0])
-    return np.asarray(np.linalg.norm(np.maximum(outside, 0.0), axis=1))
 
 
 def _top(pose: Pose, block: Primitive) -> float:

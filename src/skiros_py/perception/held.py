@@ -39,6 +39,8 @@ _TOO_CLOSE = 0.005
 """Misfit where the part would be nearer than the camera measures [m]."""
 _BELOW = 0.020
 """What is lower, or farther away, than any point of the part by more than this is background [m]."""
+_AROUND = 0.01
+"""How far beside what is known to stand around it is seen [m], besides the error of where that is."""
 _AGREES = 0.004
 _FEWEST = 80
 """Number of rays that must meet the part to tell how it sits."""
@@ -103,7 +105,9 @@ class _Comparison:
         self._directions, up = directions[near], np.asarray(request.up)
         falls = np.maximum(-(self._directions @ up), 1e-9)  # a hand that leans sees what it stands over from the side
         self._limit = np.minimum(deepest, (self._eye @ up - (corners @ up).min() + _BELOW) / falls)
-        self._measured = np.minimum(depth[known][near], self._limit)
+        measured = depth[known][near]
+        other = _is_other(self._eye + measured[:, None] * self._directions, request)
+        self._measured = np.where(other, self._limit, np.minimum(measured, self._limit))
         self._turned: dict[float, list[tuple[Array, _Block]]] = {}
         self._prices: dict[tuple[float, ...], float] = {}
 
@@ -135,6 +139,18 @@ class _Comparison:
                 for one, pose in zip(self._solid.primitives, poses, strict=True)
             ]
         return self._turned[turn]
+
+
+def _is_other(points: Array, request: HeldRequest) -> NDArray[np.bool_]:
+    """Returns which points in the frame of the tip belong to what stands around, and not to the part where expected."""
+    found = np.zeros(len(points), np.bool_)
+    for one in request.around:
+        local = one.pose.inverse().apply(points)
+        for block in one.solid.primitives:
+            found |= block.outside(local) < _AROUND + one.error
+    expected = request.guess.inverse().apply(points[found])
+    found[found] = np.min([block.outside(expected) for block in request.solid.primitives], axis=0) > _AGREES
+    return found
 
 
 def sits(request: HeldRequest) -> HeldResult:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Generic, Protocol, TypeVar
 
@@ -35,7 +35,7 @@ from skiros_py.skills.surroundings import robot_of
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
-from skiros_py.world.vocabulary import AT, HAS_A, LOCATION, ROBOT
+from skiros_py.world.vocabulary import AT, HAS_A, IN, LOCATION, MANIPULATABLE, ROBOT
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -130,6 +130,8 @@ class RuledOut:
         target: Its target; None for any.
         place: Where the robot was; None for anywhere.
         reason: Why it fails.
+        blocker: Id of what is in the way, and of the place that it is in: it does not fail while that is in another
+            place. None where it always fails.
     """
 
     skill: str | None
@@ -137,6 +139,7 @@ class RuledOut:
     target: str | None
     place: str | None
     reason: str
+    blocker: tuple[str, str] | None = None
 
     def is_of(self, skill: str, agents: Collection[str], target: str | None) -> bool:
         """Returns whether it is an attempt of this kind by any of some agents, wherever their robot is."""
@@ -175,6 +178,51 @@ class _MayTryFrom:
             if (one.place, one.target) == (place, target):
                 return Verdict(False, Message("from {place}: {reason}", place=place, reason=one.reason))
         return Verdict(True, Message("{target} was not tried from {place}", place=place, target=target))
+
+
+@dataclass(frozen=True, slots=True)
+class _IsOneOf:
+    """Tells whether two elements are one of some pairs, or are none of them.
+
+    Attributes:
+        pairs: The pairs.
+        wanted: True for one of them, False for none.
+    """
+
+    pairs: frozenset[tuple[str, str]]
+    wanted: bool
+
+    def __call__(self, _view: WorldView, one: str, other: str) -> Verdict:
+        holds = ((one, other) in self.pairs) is self.wanted
+        return Verdict(holds, Message("{one} and {other}", one=one, other=other))
+
+
+def _unblocked(skill: str, agent: str, target: str, blocked: Sequence[RuledOut]) -> Iterator[Pattern]:
+    """Yields that each thing that was in the way of a target is elsewhere.
+
+    Args:
+        skill: Name of the skill: what it computes for a task goes by its name there.
+        agent: Key of the parameter for who tries it.
+        target: Key of the parameter for its target.
+        blocked: Attempts that something was in the way of.
+    """
+    found: dict[tuple[str, str], dict[tuple[str, str], RuledOut]] = {}
+    for one in blocked:
+        if one.target is not None and one.blocker is not None:
+            found.setdefault((one.agent, one.target), {})[one.blocker] = one
+    for number in range(max(map(len, found.values()), default=0)):  # so many are in the way of one target
+        nth = [[*of_one.values()][number] for of_one in found.values() if number < len(of_one)]
+        pairs = frozenset((one.blocker[0], one.target) for one in nth if one.blocker and one.target)
+        places = frozenset(one.blocker for one in nth if one.blocker)
+        moved = AllOf(
+            (
+                Computed(f"in the way of {skill} {number}", "thing", target, _IsOneOf(pairs, wanted=True)),
+                Related(IN, "thing", "elsewhere"),
+                Computed(f"away after {skill} {number}", "thing", "elsewhere", _IsOneOf(places, wanted=False)),
+            )
+        )
+        elsewhere = Exists("thing", MANIPULATABLE, Exists("elsewhere", LOCATION, moved))
+        yield AnyOf((Computed(f"may {skill} beside {number}", agent, target, _MayTry(tuple(nth))), elsewhere))
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,17 +279,18 @@ class PlanRequest:
         """Returns a skill for other targets only: facts may lead to one that is left out, though none is chosen."""
         agent, target = skill.agent, skill.target
         roles = tuple(Role(key, skill.param(key).element_class) for key in (agent, target))
-        own = tuple(one for one in self.ruled_out if one.skill in (None, skill.name))
-        patterns: list[Pattern] = []
+        all_own = tuple(one for one in self.ruled_out if one.skill in (None, skill.name))
+        own = tuple(one for one in all_own if one.blocker is None)
+        patterns = [*_unblocked(skill.name, agent, target, [one for one in all_own if one.blocker is not None])]
         if self.left_out:
             patterns.append(Computed("may try", agent, target, _NotLeftOut(tuple(sorted(self.left_out.items())))))
         if anywhere := tuple(one for one in own if one.place is None):
-            patterns.append(Computed("may try", agent, target, _MayTry(anywhere)))
+            patterns.append(Computed(f"may {skill.name}", agent, target, _MayTry(anywhere)))
         if there := tuple(one for one in own if one.place is not None):
             stands = Exists("robot", ROBOT, AllOf((Related(HAS_A, "robot", agent), Related(AT, "robot", "place"))))
-            new = Computed("may try from", "place", target, _MayTryFrom(there))
+            new = Computed(f"may {skill.name} from", "place", target, _MayTryFrom(there))
             elsewhere = Exists("place", LOCATION, AllOf((stands, new)))
-            patterns.append(AnyOf((Computed("may try", agent, target, _MayTry(there)), elsewhere)))
+            patterns.append(AnyOf((Computed(f"may {skill.name} at all", agent, target, _MayTry(there)), elsewhere)))
         if not patterns:
             return skill
         may_try = ConditionType("MayTry", roles, AllOf(tuple(patterns)), "The target was not given up.")

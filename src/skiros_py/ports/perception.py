@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.values import DepthImage, Pending
 
 
@@ -153,6 +154,7 @@ class HeldRequest:
         camera: Id of the camera, for displays; empty if unknown.
         body: Id of the part, for displays; empty if unknown.
         up: Unit vector upwards in the frame of the tip; by default the tip points straight down.
+        around: What is known to stand around, in the frame of the tip: seen there, it is not part of what is held.
     """
 
     image: DepthImage
@@ -162,6 +164,7 @@ class HeldRequest:
     camera: str = ""
     body: str = ""
     up: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    around: tuple[Obstacle, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,6 +169,9 @@ class NewRobot(Order):
     gripper: str = _option(
         "--gripper", "'LINK LINK'", "Links of its two fingers, or 'parallel' to mount a plain gripper; found if omitted"
     )
+    base: str = _option(
+        "--base", "KIND", "A base under its arm, 'differential' or 'omnidirectional'; a pedestal if omitted"
+    )
     srdf: str = _option("--srdf", "FILE", "Its SRDF; one beside the URDF is found")
 
 

@@ -107,7 +107,7 @@ def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
         FileError: A file cannot be read or understood.
         MissingExtra: The extra "physics" is not installed.
     """
-    from skiros_py.scaffold.robot_urdf import Composer  # SciPy: not for those who only want help
+    from skiros_py.scaffold.robot_urdf import MOUNT, Composer  # SciPy: not for those who only want help
 
     file = find_urdf(said.name)
     model = RobotDescription(file)
@@ -116,7 +116,7 @@ def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
         raise UsageError(f"there is a robot '{name}' already; choose another by --name")
     groups, notes = _groups(file, said.srdf, model)
     arm = model.arm(said.arm, groups)
-    made = Composer(model, arm, model.gripper(arm[-1].child, said.gripper), name).compose()
+    made = Composer(model, arm, model.gripper(arm[-1].child, said.gripper), name, said.base).compose()
     made = replace(made, notes=(*made.notes, *notes))
     project, skeleton = _project(folder, name, said)
     package, scene = project.package, f"{name}_cell"
@@ -129,7 +129,11 @@ def draft_from_urdf(folder: Path, said: NewRobot) -> Draft:
         "package": package,
         "label": words_of(name),
         "iri": f"https://example.org/{package}/robots/{name}",
-        "help": sentence(said.help or f"The robot {words_of(name)} on a pedestal", "--help-text"),
+        "help": sentence(
+            said.help or f"The robot {words_of(name)} on a {'base' if said.base else 'pedestal'}", "--help-text"
+        ),
+        "base": said.base,
+        "docked": round(made.places + MOUNT, 2),
         "source": said.name if ":" in said.name else file.name,
         "scene": scene,
         "made": made,

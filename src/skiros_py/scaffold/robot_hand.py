@@ -23,6 +23,10 @@ _PAD = 0.04
 _LEAST_GAP = 0.01
 _THICKEST = 0.05
 """What a finger counts as thick at most [m]: the rest is its linkage."""
+_LEANING, _THIN = sorted(range(-75, 76, 5), key=abs), 1.1
+"""Angles by which fingers that turn are straightened [°], and how much thicker than the thinnest they may stay.
+
+Open ones lean outwards: as thick as they are wide apart they would fit into nothing."""
 _FORCE = 40.0
 """Assumed finger force [N]."""
 _LEAST_FORCE, _MOST_FORCE = 5.0, 500.0
@@ -74,28 +78,18 @@ def add_hand(
     if not gripper.fingers:
         return _plain_gripper(urdf, model, last, points, called)
     palm, names = gripper.palm, gripper.fingers
-    poses = [model.pose(link, gripper.positions, palm) for link in names]
-    groups = [_rigid(model, points, link, pose, gripper.positions) for link, pose in zip(names, poses, strict=True)]
-    lacking = [link for link, group in zip(names, groups, strict=True) if not len(group)]
-    if lacking:
-        raise UsageError(f"the fingers {', '.join(lacking)} have no shape: choose others by --gripper")
-    ahead, across = _axes(*groups)
-    end = max(float((group @ ahead).max()) for group in groups)
-    pads = [group[group @ ahead > end - _PAD] for group in groups]
-    if not all(map(len, pads)):
-        raise UsageError("of the fingers one is much shorter than the other: choose others by --gripper")
-    inner = float((pads[0] @ across).min()), float((pads[1] @ across).max())
-    gap = inner[0] - inner[1]
+    stand = _Stand(model, gripper, points)
+    gap, across = stand.gap, stand.across
     if gap < _LEAST_GAP:
         raise UsageError(f"{' and '.join(names)} open only {gap * 1000.0:.0f} mm: choose others by --gripper")
-    side = np.cross(across, ahead)
-    along = np.concatenate(pads) @ side
-    tool = np.eye(4)
-    tool[:3, :3] = np.column_stack([side, across, ahead])
-    tool[:3, 3] = tool[:3, :3] @ [(along.min() + along.max()) / 2.0, sum(inner) / 2.0, end - _BEYOND]
-    for link, pose, group, sign in zip(names, poses, groups, (1.0, -1.0), strict=True):
+    if not gripper.sliding:
+        leaning = [_Stand(model, gripper, points, math.radians(angle)) for angle in _LEANING]
+        thinnest = min(one.thickness for one in leaning)
+        stand = next(one for one in leaning if one.thickness <= _THIN * thinnest)
+    tool = stand.tool
+    for link, pose, group, sign in zip(names, stand.poses, stand.groups, (1.0, -1.0), strict=True):
         closed = pose.copy()
-        closed[:3, 3] -= sign * gap / 2.0 * across
+        closed[:3, 3] -= sign * stand.gap / 2.0 * across
         joint = join(urdf, model.above[link].name, "prismatic", called(palm), called(link), closed)
         _slide(joint, pose[:3, :3].T @ (sign * across), gap / 2.0)
         for below in model.subtree(link):
@@ -103,20 +97,50 @@ def add_hand(
             for one in other.findall("collision"):
                 other.remove(one)
         to_link = np.linalg.inv(pose) @ tool
-        for low, high in _finger_boxes((group - tool[:3, 3]) @ tool[:3, :3], gap / 2.0, sign):
+        for low, high in _finger_boxes((group - tool[:3, 3]) @ tool[:3, :3], stand.gap / 2.0, sign):
             at = to_link @ Pose.of(*(low + high) / 2.0).matrix()
             add_shape(_link(urdf, called(link)), "collision", at, "box", {"size": numbers(high - low)})
-    thick, width = (max(float(np.ptp(pad @ axis)) for pad in pads) for axis in (across, side))
     force, notes = _force(model, gripper)
     if not gripper.sliding:
         notes.append(
-            "the fingers turn or stand still in the model: they slide here, as they stand when open, and the links"
-            f" that move them stand still (gap {gap * 1000.0:.0f} mm)"
+            "the fingers turn or stand still in the model: they slide here, straightened, and the links that move"
+            f" them stand still (gap {gap * 1000.0:.0f} mm)"
         )
-    around = np.concatenate([*groups, points[palm], np.zeros((1, 3))])
+    around = np.concatenate([*stand.groups, points[palm], np.zeros((1, 3))])
     notes.append(_add_frames(urdf, called(palm), tool, around))
     joints = tuple(model.above[link].name for link in names)
-    return Hand(joints, gap, force, (width, min(thick, _THICKEST), _BEYOND), notes)
+    return Hand(joints, gap, force, (stand.width, min(stand.thickness, _THICKEST), _BEYOND), notes)
+
+
+class _Stand:
+    """Two fingers in the frame of the palm [m], as they stand when open, or each turned inwards by an angle [rad]."""
+
+    def __init__(
+        self, model: RobotDescription, gripper: Gripper, points: Mapping[str, Array], lean: float = 0.0
+    ) -> None:
+        names, positions = gripper.fingers, gripper.positions
+        self.poses = [model.pose(link, positions, gripper.palm) for link in names]
+        self.groups = [_rigid(model, points, link, at, positions) for link, at in zip(names, self.poses, strict=True)]
+        lacking = [link for link, group in zip(names, self.groups, strict=True) if not len(group)]
+        if lacking:
+            raise UsageError(f"the fingers {', '.join(lacking)} have no shape: choose others by --gripper")
+        ahead, self.across = _axes(*self.groups)
+        for pose, group, sign in zip(self.poses, self.groups, (1.0, -1.0), strict=True):
+            turn = Pose.turn(*(sign * lean * np.cross(self.across, ahead))).matrix()[:3, :3]
+            group[:] = (group - pose[:3, 3]) @ turn.T + pose[:3, 3]
+            pose[:3, :3] = turn @ pose[:3, :3]
+        end = max(float((group @ ahead).max()) for group in self.groups)
+        pads = [group[group @ ahead > end - _PAD] for group in self.groups]
+        if not all(map(len, pads)):
+            raise UsageError("of the fingers one is much shorter than the other: choose others by --gripper")
+        inner = float((pads[0] @ self.across).min()), float((pads[1] @ self.across).max())
+        self.gap = inner[0] - inner[1]
+        side = np.cross(self.across, ahead)
+        along = np.concatenate(pads) @ side
+        self.thickness, self.width = (max(float(np.ptp(pad @ axis)) for pad in pads) for axis in (self.across, side))
+        self.tool = np.eye(4)
+        self.tool[:3, :3] = np.column_stack([side, self.across, ahead])
+        self.tool[:3, 3] = self.tool[:3, :3] @ [(along.min() + along.max()) / 2.0, sum(inner) / 2.0, end - _BEYOND]
 
 
 def _axes(first: Array, second: Array) -> tuple[Array, Array]:

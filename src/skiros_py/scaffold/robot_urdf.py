@@ -17,6 +17,7 @@ from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UsageError
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.kinematics import BASE_LINK
+from skiros_py.scaffold.draft import render
 from skiros_py.scaffold.robot_hand import CAMERA, TOOL, Hand, add_hand
 from skiros_py.scaffold.robot_model import Gripper, Joint, RobotDescription
 from skiros_py.scaffold.robot_shapes import Shapes, hull_volume
@@ -31,7 +32,7 @@ from skiros_py.scaffold.urdf_elements import (
     set_inertia,
 )
 
-_RESERVED = ("map", "world", BASE_LINK, TOOL, CAMERA)
+_RESERVED = ("map", "world", BASE_LINK, TOOL, CAMERA, "bumper", "scanner")
 """Names of links that mean something else here, or to an engine: MuJoCo takes "world" for its own."""
 _DENSITY = 800.0
 """Assumed of links that state no mass [kg/m³]."""
@@ -52,6 +53,20 @@ _HOME_SHARE, _PLACES_SHARE = 0.6, 0.72
 """Shares of the reach at which the tool point is at home, and at which parts and kit are."""
 _PLACES = 0.4, 0.8
 """Least and greatest distance of parts and kit from the middle of the robot [m]."""
+_WHEELS = {
+    "differential": {"wheel_left": "0 0.25", "wheel_right": "0 -0.25"},
+    "omnidirectional": {
+        "wheel_front_left": "0.2 0.25",
+        "wheel_front_right": "0.2 -0.25",
+        "wheel_rear_left": "-0.38 0.25",
+        "wheel_rear_right": "-0.38 -0.25",
+    },
+}
+"""Bases, and where their wheels are [m]."""
+_PLATFORM, MOUNT, _BASE_MASS = 0.29, 0.22, 120.0
+"""Height of the platform of a base, where on it the arm stands ahead of its middle [m], and its mass [kg]."""
+_NEAREST = 0.45
+"""Least distance of parts and kit from an arm on a base: what they stand on must not touch the base [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +77,13 @@ class Composed:
         urdf: The root element of its URDF; meshes are named relative to the folder of the file, or as installed.
         arm: Joints of the arm.
         home: Joint angles [rad].
-        reach: How far from its shoulder it reaches with the hand down on a table, seen from above [m].
+        reach: How far from its shoulder it reaches with the hand down on a table, seen from above, and as far as its
+            joints slide [m].
         places: How far from the robot's middle parts and kit are put [m].
         fingers: The gripper.
         flange: The link behind the last joint.
         camera: The link of the camera.
+        mass: Mass of all of it [kg].
         load: Mass behind the last joint [kg] and its centre in the flange's frame [m].
         notes: What was missing, and what was assumed.
         texts: Meshes that are written, by file name.
@@ -81,6 +98,7 @@ class Composed:
     fingers: Hand
     flange: str
     camera: str
+    mass: float
     load: tuple[float, Sequence[float]]
     notes: tuple[str, ...]
     texts: dict[str, str]
@@ -95,10 +113,18 @@ class Composer:
         arm: Joints of its arm.
         gripper: Its gripper.
         name: The name of the robot.
+        base: The base that carries it, "differential" or "omnidirectional"; empty for a pedestal.
+
+    Raises:
+        UsageError: There is no such base.
     """
 
-    def __init__(self, model: RobotDescription, arm: Sequence[Joint], gripper: Gripper, name: str) -> None:
-        self._model, self._arm, self._gripper, self._name = model, arm, gripper, name
+    def __init__(
+        self, model: RobotDescription, arm: Sequence[Joint], gripper: Gripper, name: str, base: str = ""
+    ) -> None:
+        if base and base not in _WHEELS:
+            raise UsageError(f"--base {base}: there is {' and '.join(_WHEELS)}")
+        self._model, self._arm, self._gripper, self._name, self._base = model, arm, gripper, name, base
         self._urdf = ET.Element("robot", name=name)
         self._notes: list[str] = []
         self._effortless: dict[str, ET.Element] = {}
@@ -209,20 +235,29 @@ class Composer:
     # ------------------------------------------------------------------ what stands below
 
     def _add_pedestal(self, shapes: Shapes) -> None:
-        shoulder = self._arm[min(1, len(self._arm) - 1)]
+        turning = [joint for joint in self._arm if joint.type != "prismatic"]
+        shoulder = turning[min(1, len(turning) - 1)]
         height = _TABLE + _SHOULDER - float(self._model.pose(shoulder.child, {})[2, 3])
         low = min(self._lowest(link, points) for link, points in shapes.points.items())
-        height = round(max(height, -low if low < -0.02 else 0.0), 3)
+        floor, ahead = (_PLATFORM, MOUNT) if self._base else (0.0, 0.0)
+        height = round(max(height, floor - low if low < -0.02 else floor), 3)
         root = ET.Element("link", name=BASE_LINK)
-        self._urdf.insert(0, root)
-        set_inertia(root, 60.0, np.diag([3.0, 3.0, 1.5]), np.array([0.0, 0.0, max(height, 0.1) / 2.0]))
-        if height > 0.05:
+        if self._base:
+            below = ET.fromstring(render("urdf_base.urdf", wheels=_WHEELS[self._base]))  # noqa: S314 - our own
+            self._urdf[:0] = list(below)
+            root = next(one for one in below.findall("link") if one.get("name") == BASE_LINK)
+            self._notes.append(f"it stands on a {self._base} base of its own, of 0.87 x 0.61 m and {_BASE_MASS:.0f} kg")
+        else:
+            self._urdf.insert(0, root)
+            set_inertia(root, 60.0, np.diag([3.0, 3.0, 1.5]), np.array([0.0, 0.0, max(height, 0.1) / 2.0]))
+        if height - floor > 0.05:
             for tag in ("collision", "visual"):
-                size = 0.2, 0.2, height - 0.005
-                add_shape(root, tag, Pose.of(0, 0, size[2] / 2.0).matrix(), "box", {"size": numbers(size)})
+                size = 0.2, 0.2, height - floor - 0.005
+                middle = Pose.of(ahead, 0, floor + size[2] / 2.0).matrix()
+                add_shape(root, tag, middle, "box", {"size": numbers(size)})
             why = f"so that its shoulder is above tables of {_TABLE} m"
-            self._notes.append(f"it stands on a pedestal of {height:.3f} m, {why}")
-        at = Pose.of(0, 0, height).matrix()
+            self._notes.append(f"it stands on a pedestal of {height - floor:.3f} m, {why}")
+        at = Pose.of(ahead, 0, height).matrix()
         join(self._urdf, "pedestal_joint", "fixed", BASE_LINK, self._called(self._model.root), at)
 
     def _lowest(self, link: str, points: Array) -> float:
@@ -254,16 +289,19 @@ class Composer:
         if not reach or home is None:
             raise UsageError("no posture with the hand down in front of the robot was found: choose the arm by --arm")
         mass, centre = measures.load_of(arm)
+        travel = sum(max(-joint.lower, joint.upper) for joint in self._arm if joint.type == "prismatic")
+        least, most = _PLACES
         ET.indent(self._urdf)
         return Composed(
             self._urdf,
             joints,
             tuple(round(float(angle), 4) + 0.0 for angle in home),
-            round(reach, 3),
-            round(float(np.clip(_PLACES_SHARE * reach, *_PLACES)), 2),
+            round(reach + travel, 3),
+            round(float(np.clip(_PLACES_SHARE * reach, _NEAREST if self._base else least, most)), 2),
             hand,
             self._called(self._arm[-1].child),
             CAMERA,
+            _mass_of(self._urdf),
             (mass, centre.tolist()),
             tuple(self._notes),
             shapes.texts,
@@ -282,6 +320,11 @@ class Composer:
         file = folder / "robot.urdf"
         file.write_bytes(ET.tostring(urdf))
         return file
+
+
+def _mass_of(urdf: ET.Element) -> float:
+    """Returns the mass of a robot [kg], without the map that a base drives on."""
+    return sum(float(one.get("value", "0")) for one in urdf.iterfind("link/inertial/mass"))
 
 
 def _set_inertia_of_box(link: ET.Element, mass: float, points: Array) -> None:

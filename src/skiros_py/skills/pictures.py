@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Array, Pose
 from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.values import DepthImage
 
@@ -21,11 +21,15 @@ class Sighting:
         robot: Pose of the robot in the map, as localised.
         camera: Pose of the camera in the frame of the robot.
         pose: Pose of what was seen in the frame of the robot.
+        carrier: Id of the robot that carries the camera, or of the camera itself where none does.
+        time: When it was seen [s].
     """
 
     robot: Pose
     camera: Pose
     pose: Pose
+    carrier: str = ""
+    time: float = 0.0
 
 
 class Pictures:
@@ -38,6 +42,8 @@ class Pictures:
         unknown: Blocks around what pictures have shown that nothing explains, by the robot whose planner knows it.
         sightings: Where things were last seen, by the ids of camera and thing.
         compared: When what two pictures say was last compared, by camera [s].
+        apart: How far apart two cameras saw things, and where the robot stood, by the ids of the cameras.
+        agree: Whether two cameras agreed when they were last compared, by their ids.
     """
 
     def __init__(self) -> None:
@@ -45,6 +51,8 @@ class Pictures:
         self.unknown: dict[str, tuple[Obstacle, ...]] = {}
         self.sightings: dict[tuple[str, str], Sighting] = {}
         self.compared: dict[str, float] = {}
+        self.apart: dict[tuple[str, str], deque[tuple[Pose, Array]]] = {}
+        self.agree: dict[tuple[str, str], bool] = {}
 
     def add(self, image: DepthImage, camera: str, robot: str) -> None:
         """Takes a picture.

@@ -8,7 +8,8 @@ from skiros_py.ports.motion import Held, Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.world import vocabulary as v
 from skiros_py.world.element import Value
-from skiros_py.world.poses import pose_on
+from skiros_py.world.poses import pose_on, write_pose
+from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView, wholes
 
 
@@ -22,6 +23,18 @@ def map_pose(context: RunContext, element: str) -> Pose | None:
         return device
     found = pose_on(context.world, element, tree.device)
     return None if found is None else found[1]
+
+
+def write_seen(context: RunContext, tx: Transaction, element: str, pose: Pose, place: str | None) -> None:
+    """Writes where in the map something is seen in or on a place: of one that a device carries, in its frame."""
+    tree = context.frames.at(context.board.snapshot)
+    carrier, frame = place, None if place is None else tree.device(place)
+    if place is not None and frame is None:
+        carrier, frame = pose_on(context.world, place, tree.device) or (None, None)
+    if carrier is None or frame is None:
+        write_pose(tx, element, pose)
+    else:
+        write_pose(tx, element, frame.inverse() @ pose, place)
 
 
 def solid_of(view: WorldView, element: str) -> Solid | None:
@@ -61,7 +74,7 @@ def held_by(context: RunContext, gripper: str) -> tuple[str, Held] | None:
 
 
 def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
-    """Returns everything believed to stand around, with shape and map pose.
+    """Returns everything believed to stand around, with shape and map pose; also devices that belong to no robot.
 
     Args:
         context: The run.
@@ -74,7 +87,9 @@ def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = fro
         type_ = view.element(element).type
         if element in without or (not parts and view.ontology.is_a(type_, v.MANIPULATABLE)):
             continue
-        if view.value(element, v.HOLLOW) is True or any(view.ontology.is_a(type_, c) for c in (v.DEVICE, v.ROBOT)):
+        if view.value(element, v.HOLLOW) is True or view.ontology.is_a(type_, v.ROBOT):
+            continue
+        if view.ontology.is_a(type_, v.DEVICE) and owner(view, element) is not None:
             continue
         solid, pose = solid_of(view, element), map_pose(context, element)
         if solid is not None and pose is not None and not is_held(view, element):

@@ -60,7 +60,7 @@ class TaskRecord:
         self.forgotten = 0
         self.reached: Mapping[str, int] = {}
         self.left_out: dict[str, str] = {}
-        self.ruled_out: dict[tuple[str | None, ...], RuledOut] = {}
+        self.ruled_out: dict[tuple[object, ...], RuledOut] = {}
         self.tried: defaultdict[tuple[str, ...], Tried] = defaultdict(Tried)
         self.worn_out: set[Condition] = set()
         self.given_up: dict[Condition, str] = {}
@@ -129,13 +129,14 @@ class TaskRecord:
 
     def avoid(self, attempts: Iterable[RuledOut]) -> None:
         """Notes attempts that are not planned again."""
-        self.ruled_out.update({(one.skill, one.agent, one.target, one.place): one for one in attempts})
+        self.ruled_out.update({(one.skill, one.agent, one.target, one.place, one.blocker): one for one in attempts})
 
     def is_ruled_out(self, step: Step, skill: SkillDescription) -> bool:
         """Returns whether a step is one of the attempts that failed for good, wherever the robot was."""
         agent, target = step.arguments[skill.agent], step.arguments.get(skill.target)
         agents = (agent, robot_of(self._view, agent))
-        return any(one.is_of(step.skill, agents, target) for one in self.ruled_out.values())
+        always = (one for one in self.ruled_out.values() if one.blocker is None)
+        return any(one.is_of(step.skill, agents, target) for one in always)
 
     def forgive(self, condition: Condition) -> None:
         """Clears the excluded targets, and why a condition was not reached: the situation has changed."""

@@ -11,6 +11,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Solid
 from skiros_py.perception.held import sits
+from skiros_py.ports.motion import Obstacle
 from skiros_py.ports.perception import HeldRequest
 
 if TYPE_CHECKING:
@@ -70,6 +71,21 @@ def test_what_a_leaning_hand_stands_over_is_not_taken_for_the_part(studio: Studi
 
     assert found.pose is not None, found.reason
     assert found.pose.distance(upright) <= 0.003
+
+
+def test_a_wall_beside_the_hand_is_not_taken_for_the_part(studio: Studio) -> None:
+    rng, height, error = np.random.default_rng(3), GRASP_HEIGHTS["RelayBox"], 0.015
+    guess = Pose.of(0.0, 0.0, height, roll=math.pi)
+    wall = Obstacle("wall", Solid.box(0.4, 0.02, 0.3), Pose.of(0.0, -0.055, height + 0.06, roll=math.pi), error)
+    beside = replace(wall.pose, position=(0.0, -0.055 - error / 2.0, height + 0.06))
+    bodies = [(wall.solid, beside), (studio.parts["RelayBox"], guess)]
+    request = HeldRequest(studio.shoot(bodies, CAMERA, rng), CAMERA, studio.parts["RelayBox"], guess)
+
+    unknown, known = sits(request), sits(replace(request, around=(wall,)))
+
+    assert unknown.pose is None
+    assert known.pose is not None, known.reason
+    assert known.pose.distance(guess) <= 0.003
 
 
 def test_no_pose_proves_nothing_for_a_part_that_the_hand_hides(studio: Studio) -> None:

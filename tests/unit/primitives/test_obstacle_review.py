@@ -31,9 +31,9 @@ def context() -> Iterator[RunContext]:
         yield session.runtime.context
 
 
-def picture(context: RunContext, depth: np.ndarray) -> DepthView:
-    camera = Pose.of(*AT.position[:2], HIGH, roll=math.pi)
-    return DepthView("arm_1", depth.astype(np.float32), CAMERA, camera, 0.0, obstacles(context, parts=True))
+def picture(context: RunContext, depth: np.ndarray, *others: Obstacle) -> DepthView:
+    camera, known = Pose.of(*AT.position[:2], HIGH, roll=math.pi), (*obstacles(context, parts=True), *others)
+    return DepthView("arm_1", depth.astype(np.float32), CAMERA, camera, 0.0, known)
 
 
 def flat(depth: float = HIGH - FLOOR) -> np.ndarray:
@@ -75,6 +75,15 @@ def test_of_what_is_smaller_than_believed_the_rest_stays(context: RunContext) ->
     low, high = solid.bounds()
     assert low == pytest.approx((0.0, -0.05, 0.0), abs=0.021)
     assert high == pytest.approx((0.05, 0.05, 0.1), abs=0.001)
+
+
+def test_what_is_left_where_something_else_is_known_is_that(context: RunContext) -> None:
+    believed(context)
+    kit = Obstacle("kit", Solid.box(0.3, 0.3, 0.03), AT)
+
+    review_obstacles(context, "look", picture(context, flat(HIGH - AT.position[2] - 0.03), kit))
+
+    assert not context.world.instances(v.OBSTACLE)
 
 
 def test_what_lies_beside_a_picture_stays(context: RunContext) -> None:

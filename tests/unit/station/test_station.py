@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -17,6 +18,7 @@ from skiros_py.station.document_store import DocumentStore
 from skiros_py.station.requests import Seen
 from skiros_py.station.session import Options, Session
 from skiros_py.station.station import Station
+from skiros_py.world import vocabulary as v
 
 Opened = Callable[..., Station]
 
@@ -87,6 +89,27 @@ def test_a_stored_document_that_cannot_be_read_is_set_aside_with_an_alarm_until_
     assert station.documents.get("tree", "bad").data == {"type": "wait", "seconds": "soon"}
     station.documents.remove("tree", "bad")
     assert not [alarm for alarm in station.alarms.active if alarm.kind is AlarmKind.MODULE]
+
+
+def test_a_camera_that_sees_things_off_is_an_alarm_until_it_sees_well(opened: Opened) -> None:
+    station = opened()
+    world = station.session.world
+
+    def said_of_cameras() -> list[str]:
+        deadline = time.monotonic() + 30.0
+        before = [alarm.text for alarm in station.alarms.active if alarm.kind is AlarmKind.CAMERA]
+        while (now := [a.text for a in station.alarms.active if a.kind is AlarmKind.CAMERA]) == before:
+            assert time.monotonic() < deadline, "the alarms do not change"
+            time.sleep(0.02)
+        return now
+
+    with world.transaction("test", "compared") as tx:
+        tx.set("camera_1", v.SIGHT_ERROR, 0.0145)
+    (text,) = said_of_cameras()
+    assert str(text) == "camera_1 sees things 14 mm off: compare the cameras, then calibrate it"
+    with world.transaction("test", "calibrated") as tx:
+        tx.set("camera_1", v.SIGHT_ERROR, None)
+    assert said_of_cameras() == []
 
 
 def test_a_world_without_a_robot_is_edited_and_looked_at(opened: Opened, tmp_path: Path) -> None:

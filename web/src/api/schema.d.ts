@@ -2200,7 +2200,7 @@ export interface components {
             };
         };
         /** @enum {string} */
-        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "record" | "plug-in" | "stale" | "disk" | "webhook";
+        AlarmKind: "halted" | "station" | "cycle" | "manager" | "module" | "task" | "question" | "job" | "record" | "plug-in" | "stale" | "disk" | "camera" | "webhook";
         ApiKey: {
             id: string;
             name: string;

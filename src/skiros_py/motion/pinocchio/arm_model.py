@@ -23,6 +23,7 @@ from skiros_py.ports.kinematics import write_robot_urdf
 
 _FEWEST_JOINTS, _POSTURES, _SLACK = 4, 4000, 0.01  # [m] how far postures at random may miss the farthest one
 _ACCELERATION = 7.5  # [rad/s²] of an arm whose description states none; that of the weakest joint of a Panda
+_SLIDING = 2.0  # [m/s²] of a joint that slides, likewise: a linear axis carries a whole arm
 
 
 def se3(pose: Pose) -> pin.SE3:
@@ -72,9 +73,9 @@ class ArmModel:
         grippers: Grippers of the robot; those on this arm move their fingers with the gap.
 
     Attributes:
-        lower, upper: Joint limits [rad].
-        velocity: Joint speed limits [rad/s].
-        acceleration: Joint acceleration limits [rad/s²].
+        lower, upper: Joint limits [rad or m].
+        velocity: Joint speed limits [rad/s or m/s].
+        acceleration: Joint acceleration limits [rad/s² or m/s²].
         turn: A whole turn of each joint [rad]; 0 for one that slides.
         reach: Upper bound of the distance from the arm's shoulder to its tip [m].
     """
@@ -95,19 +96,22 @@ class ArmModel:
         self.velocity: Array = np.array(self.model.velocityLimit)
         turns = [joint.shortname().startswith("JointModelR") for joint in list(self.model.joints)[1:]]
         self.turn: Array = math.tau * np.array(turns)
-        self.acceleration: Array = np.array(arm.accelerations or [_ACCELERATION] * len(arm.joints))
+        usual = np.where(self.turn > 0.0, _ACCELERATION, _SLIDING)
+        self.acceleration: Array = np.array(arm.accelerations) if arm.accelerations else usual
         steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
         steps.append(self.model.frames[self.tip].placement.translation)
-        self.reach = float(sum(np.linalg.norm(step) for step in steps))
+        travel = np.maximum(np.abs(self.lower), np.abs(self.upper))[self.turn == 0.0]
+        self.reach = float(sum(np.linalg.norm(step) for step in steps) + travel.sum())
 
     def beyond_limits(self, q: Array, slack: float) -> str:
-        """Returns which joint is farthest outside its limits; an empty text if none is by more than a slack [rad]."""
+        """Returns which joint is farthest outside its limits; an empty text if none is beyond a slack [rad or m]."""
         beyond = np.maximum(self.lower - q, q - self.upper)
         worst = int(np.argmax(beyond))
         if beyond[worst] <= slack:
             return ""
-        limits = f"{self.lower[worst]:.3f} to {self.upper[worst]:.3f} rad"
-        return f"{self.spec.joints[worst]} at {q[worst]:.3f} rad, outside its limits of {limits}"
+        unit = "rad" if self.turn[worst] else "m"
+        limits = f"{self.lower[worst]:.3f} to {self.upper[worst]:.3f} {unit}"
+        return f"{self.spec.joints[worst]} at {q[worst]:.3f} {unit}, outside its limits of {limits}"
 
     def tip_pose(self, q: Array) -> pin.SE3:
         """Returns the pose of the tip at joint angles [rad]."""

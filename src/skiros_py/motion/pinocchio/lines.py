@@ -86,7 +86,7 @@ class Lines:
                 fault = checker.fault(posture) or fault
                 postures.append(posture)
             if fault is not None:
-                return Fault(fault.cause, f"{fault.reason}, {1000 * step.way:.0f} mm after its start")
+                return replace(fault, reason=f"{fault.reason}, {1000 * step.way:.0f} mm after its start")
         return np.array(postures)
 
     def _steps(self, start: Array, goal: pin.SE3, end: Array | None, stride: int) -> Iterator[_Step]:

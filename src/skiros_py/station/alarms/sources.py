@@ -19,6 +19,7 @@ from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.trace import TraceEntry, TraceEventKind
+from skiros_py.world import vocabulary as v
 
 _log = logging.getLogger(__name__)
 
@@ -30,11 +31,13 @@ _OF_SESSION = (
     AlarmKind.JOB,
     AlarmKind.RECORD,
     AlarmKind.DISK,
+    AlarmKind.CAMERA,
 )
 """These end with the session; what is still so in the next one is raised again."""
 _HALTED = partial(Message, "everything was halted ({why}): look, then reset")
 _PAUSED = partial(Message, "everything is paused, and goes on by itself once this has ended: {why}")
 _LOST = partial(Message, "the skill manager of {agent} is lost: {why}")
+_OFF = partial(Message, "{camera} sees things {why} mm off: compare the cameras, then calibrate it")
 _SELDOM = 200
 """Cycles between two looks at what seldom changes."""
 
@@ -104,6 +107,7 @@ class AlarmSources:
         if cycle % _SELDOM == 0:
             self._look_at_plugins()
             self._look_at_records()
+            self._look_at_cameras()
         for agent in session.managers:
             manager = session.managers.get(agent)
             if manager is not None:
@@ -149,6 +153,13 @@ class AlarmSources:
                 reason=fault.reason,
             )
             self._alarms.raise_(AlarmKind.RECORD, text, name, severity=Severity.HIGH)
+
+    def _look_at_cameras(self) -> None:
+        world = self._session.world
+        for camera in world.instances(v.CAMERA):
+            error = world.value(camera, v.SIGHT_ERROR)
+            off = f"{1e3 * error:.0f}" if isinstance(error, float) else ""
+            self._show(AlarmKind.CAMERA, camera, off, _OFF, camera=camera)
 
     def _look_at_plugins(self) -> None:
         faults = {f"{fault.group}/{fault.name}": str(fault) for fault in by_cause(self._session.catalogue.faults)}
