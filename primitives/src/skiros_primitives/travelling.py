@@ -33,13 +33,13 @@ _LEAVING = 0.40
 """Way from its start on which an arm may still be extended [m] ..."""
 _WAITING = 0.28
 """... and after which the base waits for it: it brakes within the rest."""
-_PLANNING = 0.50
+_PLANNING = 0.40
 """Way left when the motion of an arm that reaches out is planned [m] ..."""
-_REACHING = 0.28
+_REACHING = 0.20
 """... and when it begins at the earliest; it begins so that it takes as long as the rest of the drive."""
 _BRAKING = 0.5
 """How fast bases brake at the end [m/s²], about."""
-_RETREAT = 0.43
+_RETREAT = 0.35
 """Way before its goal to which the base may come back meanwhile, when it meets something [m], from where it came."""
 _NEAR = 0.1
 """Way before its goal at which it is looked from where the base comes [m]."""

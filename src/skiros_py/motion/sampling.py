@@ -38,7 +38,8 @@ class RrtConnect:
         rng = np.random.default_rng(task.seed)
         here, there = _Tree(task.start), _Tree(task.goal)
         for number in range(task.iterations):
-            if number == _BOXED_IN and 1 in (len(here.postures), len(there.postures)):
+            boxed_in = number == _BOXED_IN and 1 in (len(here.postures), len(there.postures))
+            if boxed_in and not task.constrained:  # constraints throw most branches back, boxed in or not
                 return None
             leaf = self._extend(task, here, _sample(task, rng))
             if leaf is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -90,3 +91,16 @@ def test_samples_are_brought_to_where_a_constraint_holds(planner: SamplingPlanne
     assert path is not None
     assert all(problem.straight(one, other) for one, other in pairwise(path))
     assert max(posture[1] for posture in path) > 1.7
+
+
+def test_rrt_connect_gives_up_early_where_an_end_is_boxed_in() -> None:
+    drawn: list[Array] = []
+
+    def noted(posture: Array) -> Array:
+        drawn.append(posture)
+        return posture
+
+    problem = task(lambda posture: bool(np.abs(posture - START).max() < 0.1))
+
+    assert RrtConnect().search(replace(problem, project=noted)) is None
+    assert len(drawn) < problem.iterations / 4
