@@ -17,6 +17,7 @@ from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
 from skiros_py.ports.device_faults import require_description
 from skiros_py.ports.device_kinds import DeviceKinds, load_device_kinds
+from skiros_py.ports.paths import floor_area, placed
 from skiros_py.skills.surroundings import is_held, owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.poses import driving_pose, frames, pose_on
@@ -27,6 +28,8 @@ _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
 _LONGEST = 30.0
 """Wall time in which a kind of device has to read an individual [s]."""
+_TOUCHING, _LOW = 0.02, 0.2
+"""How far a base may start inside something, and up to which height above its start that counts [m]."""
 _MOST_STOCKED = 1000
 """So many things of one stock a simulation is asked to have bodies for at most; no place has room for that many."""
 
@@ -66,7 +69,11 @@ def read_cell(
         bodies = _without(bodies, left_out)
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     kinds = load_device_kinds()[0]
-    return CellSpec(tuple(bodies), tuple(_robot(view, robot, kinds) for robot in robots), _single(view, kinds))
+    cell = CellSpec(tuple(bodies), tuple(_robot(view, robot, kinds) for robot in robots), _single(view, kinds))
+    if simulated and left_out is None:  # later on, people may have put things there
+        for robot in cell.robots:
+            _require_room(robot, cell.bodies)
+    return cell
 
 
 def read_body(view: WorldView, element: str) -> BodySpec | None:
@@ -252,6 +259,18 @@ def _standing(view: WorldView, spec: RobotSpec) -> RobotSpec:
         raise DescriptionError(_lost_in(view, spec.id) or unposed)
     outline = read_footprint(individual) if view.value(spec.id, v.FOOTPRINT) is not None else ()
     return replace(spec, place=found[1], footprint=outline)
+
+
+def _require_room(robot: RobotSpec, bodies: Sequence[BodySpec]) -> None:
+    """Refuses a base that starts inside something that never moves: physics would throw it out, or let it stick."""
+    if robot.carrier is None:
+        return
+    area, low = placed(robot.outline, robot.start).buffer(-_TOUCHING), robot.start.position[2] + _TOUCHING
+    for body in bodies:
+        if body.mass > 0.0 or body.pose is None or body.carrier is not None or body.compartment:
+            continue
+        if area.intersects(floor_area(body.solid, body.pose, low, low + _LOW)):
+            raise DescriptionError(f"{robot.carrier.id} starts inside {body.id}: give it an sk:pose on free floor")
 
 
 def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:

@@ -38,6 +38,16 @@ def test_everything_with_a_shape_except_robots_is_a_body() -> None:
     assert (body.id, body.type, body.mass, body.pose) == ("box_a", "tiny:Box", 0.0, Pose((1.0, 2.0, 0.0)))
 
 
+def test_a_base_that_starts_inside_something_is_refused_with_its_name() -> None:
+    json = "^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
+    shape = '\'[{"kind": "box", "size": [1, 1, 1], "at": [0, 0, 0.5]}]\'' + json
+    world = tiny_world(f'scene:box_a sk:solid {shape} ; sk:pose "0.7 0.2 0 0 0 0"^^sk:poseLiteral .')
+
+    assert read_cell(world, ["robot_1"], simulated=False).robots
+    with pytest.raises(DescriptionError, match="base_1 starts inside box_a: give it an sk:pose on free floor"):
+        read_cell(world, ["robot_1"])
+
+
 @pytest.mark.parametrize(
     ("element", "property_", "message"),
     [
