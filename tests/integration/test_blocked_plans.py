@@ -1,4 +1,4 @@
-"""What is in the way of a target only while it lies in one place makes plans that move it first."""
+"""What blocks a target only while it lies in one place makes plans that move it first."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ import pytest
 from skiros_primitives.contact import believe_obstacle
 from skiros_primitives.grasp import Grasp
 from skiros_primitives.gripper import GripperControl, WatchGrasp
-from skiros_primitives.looking import RegisterPart
 from skiros_primitives.put_down import PutDown
+from skiros_primitives.registering import RegisterPart
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose

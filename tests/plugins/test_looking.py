@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from support.stepping import run
 
-from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive, looks_into
+from skiros_primitives.looking import VIEWS, LookingParams, LookingPrimitive
 from skiros_primitives.part_models import downward
+from skiros_primitives.registering import looks_into
 from skiros_primitives.views import repainted
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import Held, MotionPlan, NoMotion, Obstacle

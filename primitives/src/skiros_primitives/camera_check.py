@@ -32,7 +32,7 @@ _SIGMAS = 3.0
 _SOON = 120.0
 """Within this time two cameras have to see one thing [s]: it may be moved later."""
 _KEPT = 16
-"""So many comparisons of two cameras on different carriers are averaged: each time the robot is localised anew."""
+"""So many comparisons of two cameras on different carriers are averaged: each time the robot is localised again."""
 _SAME = 0.04
 """What is seen farther apart is not the same thing [m]."""
 _STOOD, _STOOD_TURN = 0.02, math.radians(1.0)

@@ -30,7 +30,7 @@ _SEEN = 0.9
 _BORDER = 0.95
 """Share of a picture, from its middle, in which they must be."""
 _RECOGNISED = 0.006
-"""Greatest error of a point at which shapes are told apart [m]."""
+"""Greatest error of a point at which shapes can be distinguished [m]."""
 _NOISE_AT = 0.5
 """Distance at which a camera has the noise that its description says [m]; it grows with the square of that."""
 _MOUNTED, _TURNED = 0.001, math.radians(0.2)

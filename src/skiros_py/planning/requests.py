@@ -130,7 +130,7 @@ class RuledOut:
         target: Its target; None for any.
         place: Where the robot was; None for anywhere.
         reason: Why it fails.
-        blocker: Id of what is in the way, and of the place that it is in: it does not fail while that is in another
+        blocker: Id of what blocks it, and of the place that it is in: it does not fail while that is in another
             place. None where it always fails.
     """
 
@@ -198,25 +198,25 @@ class _IsOneOf:
 
 
 def _unblocked(skill: str, agent: str, target: str, blocked: Sequence[RuledOut]) -> Iterator[Pattern]:
-    """Yields that each thing that was in the way of a target is elsewhere.
+    """Yields that each thing that blocked a target is elsewhere.
 
     Args:
         skill: Name of the skill: what it computes for a task goes by its name there.
         agent: Key of the parameter for who tries it.
         target: Key of the parameter for its target.
-        blocked: Attempts that something was in the way of.
+        blocked: Attempts that something blocked.
     """
     found: dict[tuple[str, str], dict[tuple[str, str], RuledOut]] = {}
     for one in blocked:
         if one.target is not None and one.blocker is not None:
             found.setdefault((one.agent, one.target), {})[one.blocker] = one
-    for number in range(max(map(len, found.values()), default=0)):  # so many are in the way of one target
+    for number in range(max(map(len, found.values()), default=0)):  # so many block one target
         nth = [[*of_one.values()][number] for of_one in found.values() if number < len(of_one)]
         pairs = frozenset((one.blocker[0], one.target) for one in nth if one.blocker and one.target)
         places = frozenset(one.blocker for one in nth if one.blocker)
         moved = AllOf(
             (
-                Computed(f"in the way of {skill} {number}", "thing", target, _IsOneOf(pairs, wanted=True)),
+                Computed(f"blocks {skill} {number}", "thing", target, _IsOneOf(pairs, wanted=True)),
                 Related(IN, "thing", "elsewhere"),
                 Computed(f"away after {skill} {number}", "thing", "elsewhere", _IsOneOf(places, wanted=False)),
             )

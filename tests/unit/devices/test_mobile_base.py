@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import shapely
 
+from skiros_py.devices.base_curves import Curve, Speeds
 from skiros_py.devices.common import approach
-from skiros_py.devices.mobile_base import BaseSpec, BaseTwist, Curve, Speeds
+from skiros_py.devices.mobile_base import BaseSpec, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, Solid, wrap_angle
 from skiros_py.motion.base_paths import BasePaths
